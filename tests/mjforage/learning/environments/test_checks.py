@@ -184,25 +184,3 @@ def test_what_is_no_mask_is_refused(mask: NDArray[Any]) -> None:
 def test_an_unknown_way_to_start_again_is_refused() -> None:
     with pytest.raises(UserError, match="autoreset_mode = 'Never': unknown; choose NextStep"):
         gymnasium.make_vec("mjforage/Foraging-v0", 2, autoreset_mode="Never")
-
-
-def test_pictures_name_the_episode_that_they_show(monkeypatch: pytest.MonkeyPatch) -> None:
-    from mjforage.view.render import top_view
-
-    shown: list[tuple[int, int]] = []
-    draw = top_view.TopView.frame
-
-    def noted(self: Any, time: float) -> Any:
-        shown.append((self._replay.seed, self._replay.episode))
-        return draw(self, time)
-
-    monkeypatch.setattr(top_view.TopView, "frame", noted)
-    env = single("SharedPolicy")
-    env.reset(seed=9)
-    env.reset()
-    env.render()
-    many = envs(2)
-    many.reset(seed=4)
-    many.reset(options={"reset_mask": np.array([False, True])})
-    many.render()
-    assert shown == [(9, 1), (4, 0), (5, 1)]

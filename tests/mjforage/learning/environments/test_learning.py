@@ -46,21 +46,6 @@ def test_ppo_learns_to_forage(example: dict[str, Any]) -> None:
         assert mean_return(env, model, 20) > 1.25 * mean_return(env, None, 20)
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("way",), "lesson way: unknown; choose waypoint, shared, torchrl, policy"),
-        (("waypoint", "many"), "waypoint many: give at most 2 whole numbers, steps and seed"),
-        (("torchrl", "5"), "torchrl 5: give at most 0 whole numbers"),
-    ],
-)
-def test_the_example_refuses_what_it_does_not_know(
-    example: dict[str, Any], words: tuple[str, ...], message: str
-) -> None:
-    with pytest.raises(SystemExit, match=message):
-        example["main"](*words)
-
-
 def test_a_model_of_the_example_plays_in_both_worlds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

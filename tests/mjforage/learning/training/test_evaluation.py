@@ -17,7 +17,6 @@ from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.mission_metrics import METRICS, Scorer
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
-from mjforage.scenario.assets import models_folder
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.learning.training.tiny_runs import placed
@@ -115,15 +114,3 @@ def test_every_map_has_its_own_scores_where_there_are_several() -> None:
     assert row["pta_d"] == pytest.approx((3 * combs + 2 * basins) / 5)
     alone = Evaluation([scenario()], EnvironmentOptions, 5).scores(create_policy("greedy"))
     assert not any("/" in name for name in alone)
-
-
-def test_hulls_of_evaluations_are_part_of_a_run(tmp_path: Path) -> None:
-    boat = tmp_path / "boat.toml"
-    text = (models_folder() / "vessels" / "scout.toml").read_text("utf-8")
-    judged = scenario(f'physics.vessels.scouts="{boat}"')
-    boat.write_text(text)
-    run = settings(world="hulls", evaluate_episodes=1, num_envs=1)
-    train(scenario(), run, tmp_path / "run", evaluate=[judged], seed=3, updates=1)
-    boat.write_text(text.replace("mass_kg = { value = 36.0", "mass_kg = { value = 40.0"))
-    with pytest.raises(UserError, match=r'hulls is "\w+" there and'):
-        train(scenario(), run, tmp_path / "run", evaluate=[judged], seed=3, updates=2)

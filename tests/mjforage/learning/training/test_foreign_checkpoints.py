@@ -13,10 +13,7 @@ from safetensors import safe_open
 from safetensors.torch import save_file
 
 from mjforage.base.errors import UserError
-from mjforage.learning.training.hyperparameters import changed
-from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
-from mjforage.learning.training.mappo.trainer import MappoTrainer
-from mjforage.learning.training.run import train, train_with
+from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
 from tests.mjforage.learning.training.tiny_runs import hyperparameters, scenario
 
@@ -96,14 +93,6 @@ def test_what_no_training_writes_is_refused(
     spoilt(copy, change)
     with pytest.raises(UserError, match=rf"checkpoint .*{words}.*remove it or give another --out"):
         train(scenario(), hyperparameters(), copy, seed=3, updates=80)
-
-
-def test_so_is_one_of_the_actors(tmp_path: Path) -> None:
-    settings = changed(MappoHyperparameters(), {"num_envs": 2, "batch": 16, "evaluate_episodes": 2})
-    train_with(MappoTrainer, scenario(), settings, tmp_path, seed=3, updates=1)
-    spoilt(tmp_path, flat)
-    with pytest.raises(UserError, match=r"checkpoint .*are not of its shape"):
-        train_with(MappoTrainer, scenario(), settings, tmp_path, seed=3, updates=99)
 
 
 @pytest.mark.parametrize("rounds", [None, ["one"]])

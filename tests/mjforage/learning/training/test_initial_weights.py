@@ -1,8 +1,6 @@
 """Trainings that begin with existing weights: what they begin with, what is refused."""
 
-import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -112,45 +110,3 @@ def test_weights_that_do_not_fit_are_refused(
     with pytest.raises(UserError, match=words):
         train(scenario(), settings(**changes), tmp_path / "run", updates=1)
     assert not (tmp_path / "run").exists()
-
-
-def test_a_run_goes_on_with_the_same_weights_only(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    shutil.copy(shipped_weights("ddqn"), "mine.safetensors")
-    chosen = settings(initial="mine.safetensors")
-    for folder, ends in (("whole", (16,)), ("parts", (4, 16))):
-        for updates in ends:
-            train(scenario(), chosen, tmp_path / folder, seed=3, updates=updates)
-    one, other = (Path(name, "checkpoint.safetensors") for name in ("whole", "parts"))
-    assert tensors(one).keys() == tensors(other).keys()
-    for name, value in tensors(one).items():
-        assert torch.equal(value, tensors(other)[name]), name
-    evaluated = pl.read_parquet(tmp_path / "parts" / "evaluations.parquet")
-    assert evaluated["updates"][0] == 0 and evaluated["updates"].is_unique().all()
-    facts = json.loads(Path("parts/training.json").read_text())
-    digest = facts["weights"]["mine.safetensors"]
-    assert len(digest) == 16 and facts["hyperparameters"]["initial"] == "mine.safetensors"
-    with pytest.raises(UserError, match=r"hyperparameters.initial is .* there and .ddqn. here"):
-        train(scenario(), settings(), tmp_path / "parts", seed=3, updates=20)
-    shutil.copy(shipped_weights("ddqn-link"), "mine.safetensors")
-    with pytest.raises(UserError, match=rf"weights.mine.safetensors is .{digest}. there and"):
-        train(scenario(), chosen, tmp_path / "parts", seed=3, updates=20)
-
-
-def tensors(path: Path) -> dict[str, torch.Tensor]:
-    from safetensors.torch import load_file
-
-    return dict(load_file(path))
-
-
-def test_the_command_line_begins_with_weights(
-    command: Callable[..., object], tmp_path: Path
-) -> None:
-    words = [f"--learning={key}={value}" for key, value in TINY.items()]
-    first = ("train", "ddqn", "--scenario", "comb-port", "--set", "horizon=6", "--updates", 1)
-    done = command(*first, "--from", "ddqn", "--out", tmp_path / "run", *words)
-    assert done.code == 0, done  # type: ignore[attr-defined]
-    facts = json.loads((tmp_path / "run" / "training.json").read_text())["hyperparameters"]
-    assert (facts["initial"], facts["world"]) == ("ddqn", "graph")

@@ -180,8 +180,9 @@ def test_the_command_line_trains_in_a_world(command: Callable[..., object], tmp_
     words = [f"--learning={key}={value}" for key, value in settings.items()]
     few = ("--set", "horizon=3", "--set", "items.mean=3", "--set", "items.std=0")
     out = ("--updates", 1, "--out", tmp_path / "run")
-    first = ("train", "ddqn", "--scenario", "comb-port-weather", "--world", "hulls")
-    done = command(*first, *few, *out, *words)
+    first = ("train", "ddqn", "--from", "ddqn", "--scenario", "comb-port-weather")
+
+    done = command(*first, "--world", "hulls", *few, *out, *words)
     assert done.code == 0, done  # type: ignore[attr-defined]
     facts = json.loads((tmp_path / "run" / "training.json").read_text())["hyperparameters"]
-    assert (facts["initial"], facts["world"]) == ("", "hulls")
+    assert (facts["initial"], facts["world"]) == ("ddqn", "hulls")

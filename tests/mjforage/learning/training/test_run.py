@@ -16,7 +16,7 @@ import pytest
 import torch
 from safetensors import safe_open
 
-from mjforage.base.errors import UserError, WeightsError
+from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.policies.ddqn import QPolicy
 from mjforage.learning.training import run
@@ -284,18 +284,6 @@ def test_hours_count_evaluations(tmp_path: Path) -> None:
     assert both.height > 0
     assert (both["seconds_after"] - both["seconds"]).min() >= 0.2  # type: ignore[operator]
     assert done.progress.seconds >= float(found["seconds"][-1])
-
-
-def test_a_team_without_agents_has_no_weights(tmp_path: Path) -> None:
-    alone = load_scenario("published", ("horizon=12", "team.scouts.count=0", "map.starts=[]"))
-    train(alone, hyperparameters(), tmp_path, updates=1)
-    mission = Mission(Setup.of(alone))
-    mission.reset(0, np.arange(1))
-    mission.run(QPolicy(tmp_path / "weights.safetensors"))
-    mission = Mission(Setup.of(scenario()))
-    mission.reset(0, np.arange(1))
-    with pytest.raises(WeightsError, match="none for a scout"):
-        mission.run(QPolicy(tmp_path / "weights.safetensors"))
 
 
 def test_a_row_has_what_episodes_had_of_each_term_of_the_reward() -> None:
