@@ -7,7 +7,7 @@
 # `make lowest`: core, physics, runs and commands with the lowest versions that pyproject.toml allows.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html.
-# `make links`: its links to other sites; fails on broken ones, and says which could not be checked.
+# `make links`: its links to other sites, by Sphinx's linkcheck.
 # `make gallery`: the films of docs/gallery.md, by the commands that stand there; a quarter of an hour.
 # `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
 # `make evidence`: numbers of the pages made again, hours of them; ONLY="name name" JOBS=2 for some.
@@ -157,13 +157,9 @@ STRICT := --fail-on-warning --keep-going
 docs: $(VENV)/.installed-docs
 	rm -rf build/site
 	$(SPHINX) $(STRICT) --fresh-env --builder html docs build/site
-	$(BIN)/python -m tests.site build/site
 
 links: $(VENV)/.installed-docs
-	mkdir -p build
-	$(SPHINX) --builder linkcheck docs build/links 2>build/links.log || [ $$? = 1 ] \
-		|| (cat build/links.log; exit 1)
-	$(BIN)/python -m tests.site.links build/links/output.json
+	$(SPHINX) --builder linkcheck docs build/links
 
 # As the page has them; needs EGL, on Debian `libegl1 libegl-mesa0 libgl1-mesa-dri`.
 gallery: $(VENV)/.installed-dev

@@ -12,6 +12,7 @@ block whose first line is a comment with a file's name, `# my_policies.py`, is t
 """
 
 import re
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,12 +21,9 @@ OUTSIDE = ("README.md", "CONTRIBUTING.md", "models/weights/README.md")
 """Pages that are not in docs/."""
 SHELL = "sh"
 LANGUAGES = (SHELL, "python", "toml", "text", "json", "csv", "bibtex", "console")
-
-_FENCE = re.compile(
-    r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```$",
-    re.MULTILINE | re.DOTALL,
-)
 MADE = "run by make evidence"
+
+_FENCE = re.compile(r"^( *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^\1```$", re.M | re.S)
 _MARK = re.compile(rf"<!-- (?P<mark>long(: \S.*)?|not run by the tests: \S.*|{MADE}) -->")
 _FILE = re.compile(r"# (?P<name>[\w-]+\.\w+)\n")
 
@@ -38,7 +36,7 @@ class Block:
     line: int  # of its opening fence, from 1
     language: str
     text: str
-    mark: str = ""  # `long`, `long: HOW LONG`, `not run by the tests: REASON`, or `MADE`
+    mark: str  # `long`, `long: HOW LONG`, `not run by the tests: REASON`, `MADE`; "": tests run it
 
     def __str__(self) -> str:
         return f"{self.page}:{self.line}"
@@ -49,11 +47,6 @@ class Block:
         return self.mark.startswith("long")
 
     @property
-    def runs(self) -> bool:
-        """Whether it is run by the tests."""
-        return not self.mark
-
-    @property
     def file(self) -> str | None:
         """Name of the file that it is, by its first line."""
         found = _FILE.match(self.text)
@@ -62,32 +55,20 @@ class Block:
 
 def pages() -> list[str]:
     """Return the pages whose blocks are run: all in docs/, built ones left out, and `OUTSIDE`."""
-    found = sorted((REPOSITORY / "docs").rglob("*.md"))
-    docs = [page.relative_to(REPOSITORY) for page in found]
-    return [*OUTSIDE, *(str(p) for p in docs if not any(x.startswith("_") for x in p.parts))]
+    docs = sorted(page.relative_to(REPOSITORY) for page in (REPOSITORY / "docs").rglob("*.md"))
+    return [*OUTSIDE, *(str(page) for page in docs if "/_" not in str(page))]
 
 
-def blocks(page: str, text: str | None = None) -> list[Block]:
-    """Return the blocks of a page in order.
-
-    Parameters
-    ----------
-    page : path from the repository's folder
-    text : what stands on it, by default what the file holds
-    """
-    text = (REPOSITORY / page).read_text("utf-8") if text is None else text
+def blocks(page: str) -> list[Block]:
+    """Return the blocks of a page, a path from the repository's folder, in order."""
+    text = (REPOSITORY / page).read_text("utf-8")
     found = []
     for fence in _FENCE.finditer(text):
         above = text[: fence.start()].rstrip().rpartition("\n")[2].strip()
         mark = _MARK.fullmatch(above)
-        indent = re.compile(rf"^{fence['indent']}", re.MULTILINE)
+        line = text.count("\n", 0, fence.start()) + 1
+        inner = textwrap.dedent(fence["text"])
         found.append(
-            Block(
-                page,
-                text.count("\n", 0, fence.start()) + 1,
-                fence["language"].strip(),
-                indent.sub("", fence["text"]),
-                mark["mark"] if mark else "",
-            )
+            Block(page, line, fence["language"].strip(), inner, mark["mark"] if mark else "")
         )
     return found

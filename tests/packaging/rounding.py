@@ -1,4 +1,4 @@
-"""Round a weights file to 14 bits of mantissa: `python -m tests.packaging.rounding FILE ...`.
+"""Round weights files to 14 bits of mantissa: `python -m tests.packaging.rounding FILE ...`.
 
 float32 has 24, of which trained weights use all, so that no wheel packs them. With the last 10 at 0
 a file is as large as before and two thirds of it in a wheel; a weight changes by 31 millionths of
@@ -18,26 +18,13 @@ DROPPED = 10
 
 
 def rounded(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return the nearest numbers whose last bits are 0, halves away from 0.
-
-    Parameters
-    ----------
-    values : finite numbers of any shape
-    """
-    bits = np.ascontiguousarray(values).view(np.uint32)
-    kept = np.uint32(2**32 - 2**DROPPED)
-    return ((bits + np.uint32(2 ** (DROPPED - 1))) & kept).view(np.float32)
+    """Return the nearest numbers whose last bits are 0, halves away from 0."""
+    bits = np.ascontiguousarray(values).view(np.uint32) + np.uint32(2 ** (DROPPED - 1))
+    return (bits & np.uint32(2**32 - 2**DROPPED)).view(np.float32)
 
 
-def round_file(path: Path) -> None:
-    """Round a weights file in place; its notes stay as they are."""
+for path in map(Path, sys.argv[1:]):
     with safe_open(path, "np") as file:
-        notes = file.metadata()
         tensors = {name: rounded(file.get_tensor(name)) for name in list(file.keys())}
-    save_file(tensors, path, metadata=notes)
+        save_file(tensors, path, metadata=file.metadata())
     path.chmod(0o644)  # safetensors leaves it to the owner alone
-
-
-if __name__ == "__main__":
-    for named in sys.argv[1:]:
-        round_file(Path(named))

@@ -21,7 +21,6 @@ FILES = {
     else "vendor.github-issue-forms"
     for form in FORMS
 }
-MAKEFILE = (REPOSITORY / "Makefile").read_text("utf-8")
 PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
 
 
@@ -29,31 +28,10 @@ def yaml(path: str) -> Any:
     return YAML(typ="safe", pure=True).load(REPOSITORY / path)
 
 
-def steps() -> list[dict[str, Any]]:
-    jobs = yaml(".github/workflows/ci.yml")["jobs"]
-    return [step for job in jobs.values() for step in job["steps"]]
-
-
 @pytest.mark.parametrize(("path", "schema"), FILES.items())
 def test_it_fits_the_public_schema(path: str, schema: str) -> None:
     rules = get_builtin_schema(schema)
     validators.validator_for(rules)(rules).validate(yaml(path))
-
-
-def test_a_schema_refuses_what_is_none() -> None:
-    rules = get_builtin_schema("vendor.github-workflows")
-    flow = yaml(".github/workflows/ci.yml")
-    flow["jobs"]["test"]["stepz"] = flow["jobs"]["test"].pop("steps")
-    assert not validators.validator_for(rules)(rules).is_valid(flow)
-
-
-def test_the_service_runs_commands_of_the_repository_only() -> None:
-    ran = [step["run"] for step in steps() if "run" in step]
-    assert {"bash .ci/run", "make docs"} < set(ran)
-    for line in ran:
-        made = re.match(r"make (\w+)( TRY=.*)?$", line)
-        assert line == "bash .ci/run" or made, line
-        assert made is None or re.search(rf"^{made[1]}:", MAKEFILE, re.M), line
 
 
 def test_the_service_has_the_pythons_of_the_classifiers() -> None:
@@ -65,26 +43,12 @@ def test_the_service_has_the_pythons_of_the_classifiers() -> None:
     assert set(ran["test"]) < set(asked), "all of them: the comment in ci.yml is out of date"
 
 
-def test_caches_hang_on_files_that_are_there() -> None:
-    paths = [step["with"].get("cache-dependency-path", "") for step in steps() if "with" in step]
-    named = {line for path in paths for line in path.split()}
-    assert named
-    assert all((REPOSITORY / path).is_file() for path in named)
-
-
 def test_hooks_have_the_versions_that_the_tests_have() -> None:
     fixed = (REPOSITORY / "constraints.txt").read_text("utf-8").splitlines()
     hooks = yaml(".pre-commit-config.yaml")["repos"][0]["hooks"]
     asked = [line for hook in hooks for line in hook.get("additional_dependencies", [])]
     assert len(asked) == 2
     assert set(asked) <= set(fixed)
-
-
-def test_hooks_are_the_checks_of_make_test() -> None:
-    hooks = yaml(".pre-commit-config.yaml")["repos"][0]["hooks"]
-    made = re.findall(r"^\t\$\(BIN\)/(ruff check|ruff format|lint-imports|mypy)", MAKEFILE, re.M)
-    ran = [hook["entry"].removeprefix(".venv/bin/") for hook in hooks]
-    assert sorted(" ".join(entry.split()[:2]).partition(" --")[0] for entry in ran) == sorted(made)
 
 
 def test_the_citation_is_of_this_version_and_licence() -> None:

@@ -1,4 +1,4 @@
-"""Install a wheel into an environment of its own, outside of the checkout, and use it there."""
+"""Install the wheel and the checkout into environments of their own, and use them elsewhere."""
 
 import os
 import subprocess
@@ -11,17 +11,23 @@ from pathlib import Path
 from tests.packaging.contents import REPOSITORY
 
 USES = (
-    ("mjforage", "--help"),
-    ("mjforage", "evaluate", "comb-port", "--policy", "greedy", "--episodes", "2", "--out", "run"),
-    ("mjforage", "report", "run"),
-    ("mjforage", "compare", "comb-port", "--policy", "levy", "--episodes", "1", "--out", "both"),
-    ("mjforage", "render", "run", "-o", "run.png"),
-    ("mjforage", "maps", "harbour:combs:7", "-o", "harbour.png"),
-    ("mjforage", "schemas", "--out", "schemas"),
+    "mjforage --help",
+    "mjforage evaluate comb-port --policy greedy --episodes 2 --out run",
+    "mjforage report run",
+    "mjforage compare comb-port --policy levy --episodes 1 --out both",
+    "mjforage render run -o run.png",
+    "mjforage maps harbour:combs:7 -o harbour.png",
+    "mjforage schemas --out schemas",
+    "python -m mjforage policies",
+    "python all_modules.py",
 )
 """Commands, each after those before it."""
 
 MADE = ("run/report.html", "both/report.html", "run.png", "harbour.png", "schemas/scenario.json")
+
+USERS_OWN = ("metrics.py", "controllers/__init__.py", "graph_planner/__init__.py")
+USERS_OWN += ("tests/__init__.py", "models/__init__.py")
+"""Modules that a user may have beside a script; importing any of them ends the process."""
 
 EXTRAS = (
     *("av", "distributed", "ortools", "stable_baselines3", "tensorboard", "tensordict", "torch"),
@@ -32,7 +38,7 @@ EXTRAS = (
 WITHOUT = f"import sys; sys.modules.update(dict.fromkeys({EXTRAS}))"
 """A line of a path file: modules of extras are not to be found, whatever is installed."""
 
-IMPORTS = f"""
+ALL_MODULES = f"""
 import importlib, importlib.metadata, pkgutil, sys
 import gymnasium
 import mjforage
@@ -49,6 +55,11 @@ environment.reset(seed=1)
 environment.step(environment.action_space.sample())
 facts = importlib.metadata.metadata("mjforage")
 assert facts["License-Expression"] == "Apache-2.0", facts["License-Expression"]
+"""
+
+EDITABLE = f"""
+import mjforage.metrics, mjforage.controllers, mjforage.graph_planner
+assert mjforage.__file__ == {os.fspath(REPOSITORY / "mjforage/__init__.py")!r}, mjforage.__file__
 """
 
 
@@ -86,14 +97,25 @@ def sharing(place: Path) -> Path:
     return place / "bin"
 
 
-def complete(place: Path, python: str) -> Path:
-    """Make an environment of an interpreter that has nothing but pip."""
-    run([python, "-m", "venv", os.fspath(place)], REPOSITORY)
-    return place / "bin"
+def among_users_own(folder: Path) -> Path:
+    """Make a folder of a user, with modules by the names of ours."""
+    for name in USERS_OWN:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(f"raise SystemExit('{name} of the user is imported')\n")
+    return folder
+
+
+def use(place: Path, folder: Path, commands: Sequence[str]) -> None:
+    """Run commands of an environment in a folder; raises as `run`."""
+    for command in commands:
+        sys.stdout.write(f"dist: {command}\n")
+        sys.stdout.flush()
+        name, *words = command.split()
+        run([f"{place}/{name}", *words], folder)
 
 
 def try_wheel(wheel: Path, folder: Path, python: str | None) -> None:
-    """Install a wheel and use it in an empty folder.
+    """Install a wheel and use it in a folder that has modules by the names of ours.
 
     Parameters
     ----------
@@ -106,14 +128,25 @@ def try_wheel(wheel: Path, folder: Path, python: str | None) -> None:
     FailedError
         If a command fails, or something that it should have made is not there.
     """
-    place = folder / "environment"
-    place_bin = complete(place, python) if python else sharing(place)
-    how = ["-c", os.fspath(REPOSITORY / "constraints.txt")] if python else ["--no-deps"]
-    run([f"{place_bin}/python", "-m", "pip", "install", "--quiet", *how, os.fspath(wheel)], folder)
-    for command in USES:
-        sys.stdout.write(f"dist: {' '.join(command)}\n")
-        sys.stdout.flush()
-        run([f"{place_bin}/{command[0]}", *command[1:]], folder)
-    run([f"{place_bin}/python", "-c", IMPORTS], folder)
-    if missing := [name for name in MADE if not (folder / name).is_file()]:
+    if python:
+        run([python, "-m", "venv", os.fspath(folder / "environment")], REPOSITORY)
+        place = folder / "environment" / "bin"
+        how = ["-c", os.fspath(REPOSITORY / "constraints.txt")]
+    else:
+        place, how = sharing(folder / "environment"), ["--no-deps"]
+    run([f"{place}/python", "-m", "pip", "install", "--quiet", *how, os.fspath(wheel)], folder)
+    work = among_users_own(folder / "work")
+    (work / "all_modules.py").write_text(ALL_MODULES)
+    use(place, work, USES)
+    if missing := [name for name in MADE if not (work / name).is_file()]:
         raise FailedError(f"made no {', '.join(missing)}")
+
+
+def try_editable(folder: Path) -> None:
+    """Install the checkout as editable, and import it in a folder of a user; raises as `run`."""
+    place = sharing(folder / "editable")
+    pip = [f"{place}/python", "-m", "pip", "install", "--quiet", "--no-deps", "--editable"]
+    run([*pip, os.fspath(REPOSITORY)], folder)
+    work = among_users_own(folder / "editable-work")
+    (work / "imports.py").write_text(EDITABLE)
+    use(place, work, ["python imports.py", "mjforage policies"])
