@@ -1,4 +1,4 @@
-"""Regions of pages that are drawn from data: tables, their commands and where they come from.
+"""Regions of pages that are drawn from pieces: tables, their commands and where they come from.
 
 A region stands between two comments, which no reader sees:
 
@@ -11,98 +11,80 @@ import re
 from pathlib import Path
 
 from mjforage.view.report.text_tables import NOTHING, needed_digits, number
-from tests.documents.blocks import MADE, pages
-from tests.evidence.data import Data
-from tests.evidence.piece import Cell, Column, Piece
+from tests.documents.blocks import MADE
+from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, load
 
 FEW = 3  # commands that a page shows unfolded
-PAGES = pages()
 _REGION = re.compile(
     r"(?P<head>^<!-- evidence: (?P<name>[\w-]+) -->\n).*?(?P<end>^<!-- end of (?P=name) -->$)",
     re.M | re.S,
 )
 
 
-def names(text: str) -> list[str]:
+def names(page: str) -> list[str]:
     """Names of the regions of a page, in order."""
-    return [found["name"] for found in _REGION.finditer(text)]
+    return [found["name"] for found in _REGION.finditer((REPOSITORY / page).read_text("utf-8"))]
 
 
-def renewed(page: str, text: str, drawn: dict[str, str]) -> str:
-    """Return a page with its regions as they are drawn; those of no piece stay.
-
-    Parameters
-    ----------
-    page : path from the repository's folder, which links start from
-    drawn : name -> text of a region; `{data}` in it becomes the link to the data
-    """
+def renewed(page: str, text: str) -> str:
+    """A page, a path from the repository's folder, with its regions as today's data are."""
 
     def put(found: re.Match[str]) -> str:
-        body = drawn.get(found["name"])
-        if body is None:
-            return found[0]
-        data = os.path.relpath(f"docs/evidence/data/{found['name']}.json", Path(page).parent)
-        return found["head"] + body.replace("{data}", data) + found["end"]
+        data = f"docs/evidence/data/{found['name']}.json"
+        drawn = region(load(found["name"]), os.path.relpath(data, Path(page).parent))
+        return found["head"] + drawn + found["end"]
 
     return _REGION.sub(put, text)
 
 
-def region(piece: Piece, content: Data) -> str:
-    """Draw the region of a piece from its data."""
-    parts = [
-        *([_block(piece)] if piece.shown else []),
-        _table(piece, content),
-        _source(piece, content),
-    ]
-    return "\n\n".join(parts) + "\n"
+def region(piece: Piece, data: str) -> str:
+    """The region of a piece, with a link to its data."""
+    lines = ["| " + " | ".join(column.head for column in piece.columns) + " |"]
+    lines.append("|" + "|".join("---" for _ in piece.columns) + "|")
+    for row in piece.rows:
+        cells = (shown(c, column) for c, column in zip(row.cells, piece.columns, strict=True))
+        lines.append(f"| {' | '.join(cells)} |")
+    made = piece.made or {}
+    source = (
+        f"*[Numbers]({data}) of mjforage {made['mjforage']}, commit {made['commit']}, "
+        f"{made['date']}; `make evidence ONLY={piece.name}`.*"
+    )
+    return "\n\n".join([*_block(piece), "\n".join(lines), source]) + "\n"
 
 
-def _block(piece: Piece) -> str:
-    lines = "\n".join(piece.runs.values())
+def _block(piece: Piece) -> list[str]:
+    if not piece.shown:
+        return []
+    lines = "\n".join(run["command"] for run in piece.runs.values())
     block = f"<!-- {MADE} -->\n```sh\n{lines}\n```"
     if len(piece.runs) <= FEW:
-        return block
-    return f"<details><summary>{len(piece.runs)} commands</summary>\n\n{block}\n\n</details>"
-
-
-def _table(piece: Piece, content: Data) -> str:
-    lines = [[column.head for column in piece.columns], ["---"] * len(piece.columns)]
-    for row in content["rows"]:
-        lines.append([shown(c, column) for c, column in zip(row, piece.columns, strict=True)])
-    head, rule, *rest = lines
-    rows = [f"| {' | '.join(head)} |", f"|{'|'.join(rule)}|"]
-    return "\n".join(rows + [f"| {' | '.join(line)} |" for line in rest])
-
-
-def _source(piece: Piece, content: Data) -> str:
-    made = content["made"]
-    again = f"`make evidence ONLY={piece.name}`"
-    return (
-        f"*[Numbers]({{data}}) of mjforage {made['mjforage']}, commit {made['commit']}, "
-        f"{made['date']}; {again}.*"
-    )
+        return [block]
+    return [f"<details><summary>{len(piece.runs)} commands</summary>\n\n{block}\n\n</details>"]
 
 
 def shown(cell: Cell, column: Column) -> str:
     """A cell as pages show it."""
-    if cell is None:
-        return ""
-    if isinstance(cell, str):
-        return cell
-    if column.significant:
-        return _significant(cell, column.digits)
-    digits = column.digits
+    if not isinstance(cell, dict):
+        return cell or ""
+    digits = int(column.form.strip(".fg"))
+    if column.form.endswith("g"):
+        return _significant(cell, digits)
     if "low" in cell:
         return _with_interval(cell, digits)
+    half = cell.get("half")
     if "gap" not in cell:
-        half = f" ± {number(cell['half'], digits)}" if "half" in cell else ""
-        return number(cell.get("mean", float("nan")), digits) + half
-    if cell["gap"] == 0 and not cell.get("half"):
-        return f"{number(cell['mean'], digits)} (0)" if "mean" in cell else "0"
-    few = min(digits, needed_digits(cell.get("half", 0.0), digits))
-    half = f" ± {number(cell['half'], few)}" if "half" in cell else ""
-    difference = signed(cell["gap"], few) + half
+        return number(cell.get("mean", float("nan")), digits) + _plus_minus(half, digits)
+    few = min(digits, needed_digits(half or 0.0, digits))
+    difference = f"{number(cell['gap'], few)}{_plus_minus(half, few)}"
+    if difference[0] not in "−–":
+        difference = f"+{difference}"
+    if cell["gap"] == 0 and not half:
+        difference = "0"
     return f"{number(cell['mean'], digits)} ({difference})" if "mean" in cell else difference
+
+
+def _plus_minus(half: float | None, digits: int) -> str:
+    return "" if half is None else f" ± {number(half, digits)}"
 
 
 def _with_interval(cell: dict[str, float], digits: int) -> str:
@@ -128,9 +110,3 @@ def _significant(cell: dict[str, float], digits: int) -> str:
     )
     text = f"{value} ({' to '.join(ends)})" if ends else value
     return text.replace("-", "−")
-
-
-def signed(value: float, digits: int) -> str:
-    """A number with its sign."""
-    text = number(value, digits)
-    return text if text[0] in "−–" else f"+{text}"

@@ -1,23 +1,30 @@
-"""What a piece of evidence is: its commands, how its table comes from what they leave, its form.
+"""Pieces of evidence: `docs/evidence/data/NAME.json`, what a table shows and where it comes from.
 
-Numbers are one thing and their form another. `docs/evidence/data/NAME.json` holds the numbers of a
-piece in full and where they come from; columns say how they are shown. So a page can be drawn
-again without a run, and no number on it is anybody's typing.
+A file holds the piece's commands under labels (`runs`), its columns and its rows, and names the
+files that are written whole. Numbers are in full; the columns say how pages show them. A number of
+a table is made from what its piece, column and row say together (`of`, `Spec`); words stay as they
+stand. A new number begins as `{}`.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+import hashlib
+import json
+import subprocess
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from platform import python_version
+from typing import Any, NamedTuple
 
-from numpy.typing import ArrayLike
-
-from mjforage import metrics
-
-if TYPE_CHECKING:
-    from tests.evidence.playing import Runs
+import torch
 
 REPOSITORY = Path(__file__).parents[2]
+DATA = REPOSITORY / "docs" / "evidence" / "data"
+CODE = ("mjforage", "metrics", "controllers", "graph_planner", "models")
+LIBRARIES = ("numpy", "numba", "scipy", "mujoco", "ortools", "torch", "torchrl")
+"""Those whose version may change a number."""
 
 Cell = str | dict[str, float] | None
 """Words, a number with what is known of it, or nothing.
@@ -26,65 +33,140 @@ Keys of a number: `mean` of the episodes, `gap` to another mean over the same ep
 the interval ± 1.96 SEM of the last of these, or the ends `low` and `high` of its interval; `n`
 episodes in which all of that is defined. Undefined numbers are left out.
 """
-Row = Sequence[Cell]
+Spec = dict[str, Any]
+"""`way` of `tables.WAYS`; `run` (label of a command; in a column `{}` is the row's), `variant` of a
+study, `policy`, `world`, `key` of a metric; `minus`: those of these that differ in what is
+compared."""
 
 
 class Column(NamedTuple):
-    """Head of a column and the form of its numbers."""
+    """Head of a column, the form of its numbers and where they come from."""
 
     head: str
-    digits: int = 0  # decimals; of a difference at most, as its interval needs no more
-    significant: bool = False  # digits, not decimals
+    form: str = ""  # `.2f`: decimals, of a difference at most; `.3g`: significant digits
+    of: Spec = {}  # noqa: RUF012 - nobody writes to it
+
+
+class Row(NamedTuple):
+    """Cells of a row, and where their numbers come from."""
+
+    cells: Sequence[Cell]
+    of: Spec = {}  # noqa: RUF012
 
 
 @dataclass(frozen=True)
 class Piece:
     """A table of pages, or files that are written whole, or both."""
 
-    name: str  # of its data and its regions
-    runs: Mapping[str, str]  # what a run is called here -> its command, as a page shows it
-    columns: tuple[Column, ...] = ()
-    rows: "Callable[[Runs], Iterable[Row]]" = field(default=lambda runs: ())
-    files: tuple[str, ...] = ()  # that are written whole, from the repository's folder
-    write: "Callable[[Runs], object]" = field(default=lambda runs: None)
-    minutes: float = 0.0  # of one core, reckoned, of commands that leave no run to tell them
+    name: str
+    runs: Mapping[str, dict[str, Any]]  # label -> `command`, and seed, hash and so on of its run
+    columns: Sequence[Column] = ()
+    rows: Sequence[Row] = ()
+    of: Spec | None = None
+    files: Sequence[str] = ()  # from the repository's folder
     shown: bool = True  # whether its region has the commands; not, where one before it has them
+    made: Mapping[str, Any] | None = None  # with what and when
+
+    def spec(self, column: Column, row: Row) -> Spec:
+        """Where a number comes from."""
+        levels = (self.of or {}, column.of, row.of)
+        found = {key: value for level in levels for key, value in level.items()}
+        minus = {k: v for level in levels for k, v in level.get("minus", {}).items()}
+        label = row.of.get("run", "")
+        template = {**levels[0], **column.of}.get("run", "{}")
+        found["run"] = template.format(label)
+        if "run" in minus:
+            minus["run"] = minus["run"].format(label)
+        return {**found, "minus": minus}
+
+    @property
+    def current(self) -> bool:
+        """Whether its numbers are of this very code."""
+        return self.made is not None and self.made["code"] == provenance()["code"]
 
 
-def average(values: ArrayLike) -> Cell:
-    """Mean of (episode,) values."""
-    return defined(mean=metrics.mean(values), n=metrics.count(values))
+def load(name: str, folder: Path = DATA) -> Piece:
+    """Read a piece."""
+    content = json.loads((folder / f"{name}.json").read_text("utf-8"))
+    columns = [Column(*column) for column in content.pop("columns", ())]
+    rows = [Row(**row) for row in content.pop("rows", ())]
+    return Piece(name, columns=columns, rows=rows, **content)
 
 
-def mean(values: ArrayLike) -> Cell:
-    """Mean of (episode,) values, ± 1.96 SEM."""
-    found = {"mean": metrics.mean(values), "half": metrics.half_width_95(values)}
-    return defined(**found, n=metrics.count(values))
+def pieces(folder: Path = DATA) -> list[str]:
+    """Names of all pieces."""
+    return sorted(path.stem for path in folder.glob("*.json"))
 
 
-def gap(values: ArrayLike, others: ArrayLike) -> Cell:
-    """Mean of the differences of (episode,) values, entry by entry, ± 1.96 SEM."""
-    differences = metrics.statistics.defined(values) - metrics.statistics.defined(others)
-    found = {"gap": metrics.mean(differences), "half": metrics.half_width_95(differences)}
-    return defined(**found, n=metrics.count(differences))
-
-
-def beside(values: ArrayLike, others: ArrayLike) -> Cell:
-    """Mean of (episode,) values, and what they differ from others, ± 1.96 SEM."""
-    difference = gap(values, others)
-    assert isinstance(difference, dict)
-    return {**defined(mean=metrics.mean(values)), **difference}
-
-
-def interval(values: ArrayLike, others: ArrayLike) -> Cell:
-    """Mean of the differences of (episode,) values, with its bootstrap 95 % interval."""
-    found = metrics.paired_difference(values, others, 0)
-    return defined(gap=found.value, low=found.low, high=found.high, n=found.n)
-
-
-def defined(**numbers: ArrayLike) -> dict[str, float]:
-    """Those numbers that are defined; counts stay whole."""
-    found = {key: float(value) for key, value in numbers.items()}  # type: ignore[arg-type]
-    return {
-        key: int(value) if key == "n" else value for key, value in found.items() if value == value
+def save(piece: Piece, folder: Path = DATA) -> None:
+    """Write a piece, a command, column or row on a line."""
+    columns = [[*column[:2], *([column.of] if column.of else [])] for column in piece.columns]
+    rows = [{"cells": row.cells} | ({"of": row.of} if row.of else {}) for row in piece.rows]
+    parts = {
+        "made": piece.made,
+        "runs": piece.runs,
+        "files": piece.files,
+        "of": piece.of,
+        "shown": None if piece.shown else False,
+        "columns": columns,
+        "rows": rows,
     }
+    told = (f' "{name}": {_lines(part)}' for name, part in parts.items() if part or part is False)
+    (folder / f"{piece.name}.json").write_text("{\n" + ",\n".join(told) + "\n}\n", "utf-8")
+
+
+def _lines(part: Any) -> str:
+    """JSON, an entry of a list or mapping on a line."""
+    if isinstance(part, dict):
+        entries = [f"{_json(key)}: {_json(value)}" for key, value in part.items()]
+        return "{\n  " + ",\n  ".join(entries) + "\n }"
+    return "[\n  " + ",\n  ".join(map(_json, part)) + "\n ]" if part else _json(part)
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def made(piece: Piece, runs: Mapping[str, dict[str, Any]], rows: Sequence[Row]) -> Piece:
+    """A piece that has been made today, with what is known of its runs."""
+    date = {"date": f"{datetime.now(UTC):%Y-%m-%d}"}
+    return replace(piece, runs=runs, rows=rows, made=date | provenance())
+
+
+@cache
+def provenance() -> dict[str, Any]:
+    """Version, commit, hash of all code and models, versions of libraries, and the processor's
+    instructions that torch uses, of this process.
+
+    `-dirty` behind the commit says that code or models were changed since.
+    """
+    git = ["git", "-C", str(REPOSITORY)]
+    asked = [*git, "rev-parse", "--short=12", "HEAD"]
+    commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
+    asked = [*git, "diff", "--quiet", "HEAD", "--", *CODE, ":!*.md"]
+    changed = subprocess.run(asked, check=False).returncode
+    return {
+        "mjforage": version("mjforage"),
+        "commit": commit + ("-dirty" if changed else ""),
+        "code": _code_hash(),
+        "versions": {"python": python_version()} | dict(_versions()),
+        "instructions": torch.backends.cpu.get_cpu_capability(),
+    }
+
+
+def _code_hash() -> str:
+    """16 hexadecimal digits that tell this code and these models from others."""
+    found = hashlib.sha256()
+    for path in sorted(path for top in CODE for path in (REPOSITORY / top).rglob("*")):
+        if path.is_file() and "__pycache__" not in path.parts and path.suffix != ".md":
+            found.update(path.relative_to(REPOSITORY).as_posix().encode() + b"\0")
+            found.update(path.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def _versions() -> Iterator[tuple[str, str]]:
+    for name in LIBRARIES:
+        try:
+            yield name, version(name)
+        except PackageNotFoundError:
+            continue

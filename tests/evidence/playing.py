@@ -5,7 +5,7 @@ import importlib
 import json
 import shlex
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.cli.commands import app
-from mjforage.runs.run_info import RunInfo, load_run, read_json
+from mjforage.runs.run_info import load_run, read_json
 from mjforage.view.report.run_logs import load_episodes, scalar
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
 from tests.evidence.piece import REPOSITORY
@@ -23,7 +23,7 @@ from tests.evidence.piece import REPOSITORY
 FRESH = "--fresh"
 """What a folder whose code is another asks for, and what it is then given."""
 RUNS = REPOSITORY / "runs" / "evidence"
-FILE = "figures.json"  # of a command that makes no folder
+FIGURES = "figures.json"  # of a command that makes no folder
 
 
 def plain(command: str) -> list[str]:
@@ -33,12 +33,6 @@ def plain(command: str) -> list[str]:
         at = words.index("--jobs")
         del words[at : at + 2]
     return words
-
-
-def flags(policies: Iterable[str]) -> str:
-    """As a command names policies; those with options are quoted for a shell."""
-    quoted = (f'"{name}"' if "(" in name else name for name in policies)
-    return " ".join(f"--policy {name}" for name in quoted)
 
 
 def place(command: str, runs: Path = RUNS) -> Path:
@@ -63,8 +57,8 @@ def play(command: str, jobs: int = 1, runs: Path = RUNS) -> Path:
     folder.parent.mkdir(parents=True, exist_ok=True)
     if words[0] in ("bench", "-m"):
         folder.mkdir(exist_ok=True)
-        words += ["--json", str(folder / FILE)]
-        if words[0] == "-m":  # a ground of the tests
+        words += ["--json", str(folder / FIGURES)]
+        if words[0] == "-m":  # of the tests
             importlib.import_module(words[1]).main(words[2:])
         else:
             _carry_out(words)
@@ -78,9 +72,6 @@ def play(command: str, jobs: int = 1, runs: Path = RUNS) -> Path:
         if FRESH not in str(error):
             raise
         _carry_out([*words, FRESH])
-    except SystemExit as end:
-        if end.code:
-            raise UserError(f"{command}: failed; {folder} says what") from end
     return folder
 
 
@@ -99,7 +90,7 @@ class Run:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.info: RunInfo = load_run(folder / "run.json")
+        self.info = load_run(folder / "run.json")
         self._episodes = load_episodes(folder, self.info)
 
     def values(self, policy: str, key: str, world: str | None = None) -> NDArray[Any]:
@@ -117,7 +108,7 @@ class Run:
         return scalar(rows, key)
 
 
-class Runs(Mapping[str, Run]):
+class Runs:
     """What the commands of a piece left, read when it is asked for."""
 
     def __init__(self, folders: Mapping[str, Path]) -> None:
@@ -129,34 +120,18 @@ class Runs(Mapping[str, Run]):
             self._read[label] = Run(self.folders[label])
         return self._read[label]
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.folders)
-
-    def __len__(self) -> int:
-        return len(self.folders)
-
-    @property
-    def folder(self) -> Path:
-        """Folder of the only command."""
-        (folder,) = self.folders.values()
-        return folder
-
-    @cached_property
-    def only(self) -> Run:
-        """The only run."""
-        return Run(self.folder)
-
     @cached_property
     def study(self) -> StudyLogs:
         """The only study."""
-        return load_study(self.folder)
+        return load_study(self.folders[""])
 
-    def figures(self, file: str = FILE) -> Any:
+    @cached_property
+    def figures(self) -> Any:
         """What the only command wrote as JSON, if it left no run."""
-        return json.loads((self.folder / file).read_text("utf-8"))
+        return json.loads((self.folders[""] / FIGURES).read_text("utf-8"))
 
 
-def told(folder: Path) -> dict[str, Any]:
+def facts(folder: Path) -> dict[str, Any]:
     """Seed, episodes, hash and CPU minutes of what a folder holds; of a study its variants' sum.
 
     Nothing of what is no run.

@@ -1,45 +1,32 @@
 """Stored numbers are those of today's code: rows that play quickly are played again."""
 
+import re
 from pathlib import Path
 
-from tests.evidence import data, playing
-from tests.evidence.piece import Row, average, mean
-from tests.evidence.pieces import PIECES
-from tests.evidence.pieces.results import COOPERATION, PRIMARY, means
+import pytest
+
+from tests.evidence.piece import load
+from tests.evidence.playing import Runs, play
+from tests.evidence.tables import made_row
 
 
-def of(name: str, first: str) -> Row:
-    """A stored row by its first cell."""
-    (row,) = [row for row in data.load(PIECES[name])["rows"] if row[0] == first]
-    return list(row)
-
-
-def alone(name: str, policy: str, tmp_path: Path, label: str = "") -> playing.Runs:
-    """A command of a piece, with one of its policies alone: it plays the same episodes."""
-    words = PIECES[name].runs[label].split()
-    for flag in ("--policy", "--jobs"):
-        while flag in words:
-            del words[words.index(flag) : words.index(flag) + 2]
-    command = " ".join([*words, "--policy", policy])
-    return playing.Runs({"": playing.play(command, runs=tmp_path)})
-
-
-def test_the_tables_of_results_are_of_todays_code(tmp_path: Path) -> None:
-    played = alone("comb-port", "greedy", tmp_path)
-    assert next(means(("greedy",), PRIMARY)(played)) == of("comb-port", "greedy")
-    played = alone("published", "greedy", tmp_path)
-    assert next(means(("greedy",), PRIMARY)(played)) == of("published", "greedy")
-    assert next(means(("greedy",), COOPERATION)(played)) == of("published-cooperation", "greedy")
-
-
-def test_radios_and_eyes_are_of_todays_code(tmp_path: Path) -> None:
-    run = alone("comb-port-radio", "greedy", tmp_path, "graph").only
-    keys = ("pta_c", "nt50", "nt90", "handover")
-    stored = of("comb-port-radio", "Greedy, graph, 100 episodes")
-    assert [mean(run.values("greedy", key)) for key in keys] == stored[1:]
-    run = alone("eyes", "greedy", tmp_path, "*p* .5").only
-    stored = of("eyes", "*p* .5")
-    for cell, key in zip(stored[1:3], ("pta_c", "nt90"), strict=True):
-        found = average(run.values("greedy", key))
-        assert isinstance(cell, dict) and isinstance(found, dict)
-        assert (found["mean"], found["n"]) == (cell["mean"], cell["n"])
+@pytest.mark.parametrize(
+    ("name", "head"),
+    [
+        ("comb-port", "greedy"),
+        ("published", "greedy"),
+        ("published-cooperation", "greedy"),
+        ("comb-port-radio", "Greedy, graph, 100 episodes"),
+    ],
+)
+def test_a_row_is_of_todays_code(
+    name: str, head: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """Its policy alone plays the same episodes."""
+    piece = load(name)
+    (row,) = [row for row in piece.rows if row.cells[0] == head]
+    label = row.of.get("run", "")
+    command = re.sub(r" --policy \S+", "", piece.runs[label]["command"])
+    runs = tmp_path_factory.getbasetemp() / "played-again"
+    folder: Path = play(f"{command} --policy {row.of['policy']}", runs=runs)
+    assert made_row(piece, row, Runs({label: folder})) == row

@@ -1,0 +1,147 @@
+"""Numbers of tables: how they come from what the commands of a piece left."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import polars as pl
+from numpy.typing import NDArray
+
+from mjforage.runs.parquet import read_parquet
+from mjforage.view.report.studies import ablation, corruption
+from mjforage.view.report.studies.study_logs import Player
+from tests.evidence import trained
+from tests.evidence.cells import average, beside, defined, gap, interval, mean
+from tests.evidence.piece import Cell, Piece, Row, Spec
+from tests.evidence.playing import Runs
+
+GRAPH = "graph"
+
+
+def values(spec: Spec, runs: Runs) -> NDArray[Any]:
+    """A metric of a policy, in the first world of a run if none is named: (episode,)."""
+    if "variant" in spec:
+        player = Player(spec["variant"], spec.get("world", GRAPH), spec["policy"])
+        return runs.study.values(player, spec["key"])
+    return runs[spec["run"]].values(spec["policy"], spec["key"], spec.get("world"))
+
+
+def entry(spec: Spec, runs: Runs) -> Cell:
+    """Mean of a variant of a study, with its interval."""
+    player = Player(spec["variant"], GRAPH, spec["policy"])
+    found = runs.study.entry(player, spec["key"])
+    return defined(mean=found.mean, low=found.low, high=found.high)
+
+
+def contribution(spec: Spec, runs: Runs) -> Cell:
+    """Marginal contribution of one of a team."""
+    found = ablation.contribution(runs.study, spec["team"], GRAPH, spec["policy"], spec["key"])
+    return defined(mean=found.value, low=found.low, high=found.high)
+
+
+def slope(spec: Spec, runs: Runs) -> Cell:
+    """Slope of a metric over the corruption of a team."""
+    fit = corruption.Fits(runs.study).of(spec["team"], GRAPH, spec["policy"], spec["key"])
+    assert fit is not None
+    low, high = fit.intervals.slope
+    return defined(mean=fit.line.slope, low=low, high=high)
+
+
+def break_point(spec: Spec, runs: Runs) -> Cell:
+    """Corruption of a team where the slope of a metric changes."""
+    fit = corruption.Fits(runs.study).of(spec["team"], GRAPH, spec["policy"], spec["key"])
+    assert fit is not None
+    low, high = fit.intervals.break_point
+    return defined(mean=fit.bent.break_point, low=low, high=high)
+
+
+def impact(spec: Spec, runs: Runs) -> Cell:
+    """Fastest approach to a touch of a quay or hull [m/s]."""
+    keys = ("world", "policy", "episode", "impact_mps")
+    file = runs[spec["run"]].folder / "agents.parquet"
+    rows = read_parquet(file, keys, pl.col("world") == spec["world"])
+    return defined(mean=rows["impact_mps"].max())  # type: ignore[arg-type]
+
+
+OF_ONE: dict[str, Callable[..., Cell]] = {"mean": mean, "average": average}
+OF_TWO: dict[str, Callable[..., Cell]] = {"gap": gap, "beside": beside, "interval": interval}
+WAYS: dict[str, Callable[[Spec, Runs], Cell]] = {
+    **{name: lambda spec, runs, way=way: way(values(spec, runs)) for name, way in OF_ONE.items()},
+    **{
+        name: lambda spec, runs, way=way: way(
+            values(spec, runs), values({**spec, **spec["minus"]}, runs)
+        )
+        for name, way in OF_TWO.items()
+    },
+    **{each.__name__: each for each in (entry, contribution, slope, break_point, impact)},
+}
+"""How a number comes from episodes."""
+
+
+def validation(runs: Runs) -> Iterator[list[Cell]]:
+    """Of each check the measure that is nearest to its limit."""
+    for number, name, what, value, *rest in runs.figures:
+        yield [number, f"`{name}`", what, {"mean": value}, *rest]
+
+
+def speeds(runs: Runs) -> Iterator[list[Cell]]:
+    """Each figure of `mjforage bench`."""
+    for key, figure in runs.figures.items():
+        value, quickest = ({"mean": figure[name]} for name in ("value", "quickest"))
+        yield [f"`{key}`", value, quickest, figure["unit"]]
+
+
+def decision_times(runs: Runs) -> Iterator[list[Cell]]:
+    """Times of each policy by the size of the fleet, those that plan first."""
+    found: dict[str, list[Cell]] = {}
+    for one in runs.figures:
+        number = {"mean": one["ms"], "low": one["low"], "high": one["high"]}
+        found.setdefault(one["policy"], []).append(one["reason"] or number)
+    order = (
+        *("belief", "dec-mcts", "ogr", "orienteering", "auction", "ddqn", "ddqn-reward"),
+        *("ddqn-link", "mappo", "greedy", "lawnmower", "levy", "wanderer", "pso", "random"),
+    )
+    for policy in (*order, *sorted(set(found) - set(order))):
+        yield [f"`{policy}`", *found[policy]]
+
+
+def picking(runs: Runs) -> Iterator[list[Cell]]:
+    """Shares taken within each decision, for each way of seeing the item, place by place."""
+    words = {
+        "open_water": "the next node, open water",
+        "straight_quay": "straight quay, from the node or one beside it",
+        "corner_from_within": "corner, from the node",
+        "corner_from_beside": "corner, from a node beside it",
+    }
+    for place, head in words.items():
+        shares = [share for one in runs.figures if one["place"] == place for share in one["shares"]]
+        yield [head, *({"mean": share} for share in shares)]
+
+
+WHOLE: dict[str, Callable[[Runs], Iterator[list[Cell]]]] = {
+    "validation": validation,
+    "speeds": speeds,
+    "decision-times": decision_times,
+    "picking": picking,
+    "family-seeds": trained.seeds,
+    "family-elsewhere": trained.elsewhere,
+    "tuned-in-physics": trained.tuned,
+}
+"""Tables that are no numbers of runs and studies."""
+
+
+def made_row(piece: Piece, row: Row, runs: Runs) -> Row:
+    """A row whose numbers are made from runs."""
+    cells = [
+        WAYS[spec["way"]](spec, runs) if isinstance(cell, dict) else cell
+        for cell, spec in zip(
+            row.cells, (piece.spec(column, row) for column in piece.columns), strict=True
+        )
+    ]
+    return Row(cells, row.of)
+
+
+def made_rows(piece: Piece, runs: Runs) -> list[Row]:
+    """All rows of a piece, from what its commands left."""
+    if piece.name in WHOLE:
+        return [Row(cells) for cells in WHOLE[piece.name](runs)]
+    return [made_row(piece, row, runs) for row in piece.rows]
