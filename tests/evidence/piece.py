@@ -34,8 +34,8 @@ the interval ± 1.96 SEM of the last of these, or the ends `low` and `high` of i
 episodes in which all of that is defined. Undefined numbers are left out.
 """
 Spec = dict[str, Any]
-"""`way` of `tables.WAYS`; `run` (label of a command; in a column `{}` is the row's), `variant` of a
-study, `policy`, `world`, `key` of a metric; `minus`: those of these that differ in what is
+"""`way` of `tables.number`; `run` (label of a command; in a column `{}` is the row's), `variant` of
+a study, `policy`, `world`, `key` of a metric; `minus`: those of these that differ in what is
 compared."""
 
 

@@ -62,19 +62,25 @@ def impact(spec: Spec, runs: Runs) -> Cell:
     return defined(mean=rows["impact_mps"].max())  # type: ignore[arg-type]
 
 
-OF_ONE: dict[str, Callable[..., Cell]] = {"mean": mean, "average": average}
-OF_TWO: dict[str, Callable[..., Cell]] = {"gap": gap, "beside": beside, "interval": interval}
-WAYS: dict[str, Callable[[Spec, Runs], Cell]] = {
-    **{name: lambda spec, runs, way=way: way(values(spec, runs)) for name, way in OF_ONE.items()},
-    **{
-        name: lambda spec, runs, way=way: way(
-            values(spec, runs), values({**spec, **spec["minus"]}, runs)
-        )
-        for name, way in OF_TWO.items()
-    },
-    **{each.__name__: each for each in (entry, contribution, slope, break_point, impact)},
+OF_ONE: dict[str, Callable[[NDArray[Any]], Cell]] = {"mean": mean, "average": average}
+OF_TWO: dict[str, Callable[[NDArray[Any], NDArray[Any]], Cell]] = {
+    "gap": gap,
+    "beside": beside,
+    "interval": interval,
 }
-"""How a number comes from episodes."""
+OTHERS: dict[str, Callable[[Spec, Runs], Cell]] = {
+    each.__name__: each for each in (entry, contribution, slope, break_point, impact)
+}
+
+
+def number(spec: Spec, runs: Runs) -> Cell:
+    """A number of a table."""
+    way = spec["way"]
+    if way in OF_ONE:
+        return OF_ONE[way](values(spec, runs))
+    if way in OF_TWO:
+        return OF_TWO[way](values(spec, runs), values({**spec, **spec["minus"]}, runs))
+    return OTHERS[way](spec, runs)
 
 
 def validation(runs: Runs) -> Iterator[list[Cell]]:
@@ -132,10 +138,8 @@ WHOLE: dict[str, Callable[[Runs], Iterator[list[Cell]]]] = {
 def made_row(piece: Piece, row: Row, runs: Runs) -> Row:
     """A row whose numbers are made from runs."""
     cells = [
-        WAYS[spec["way"]](spec, runs) if isinstance(cell, dict) else cell
-        for cell, spec in zip(
-            row.cells, (piece.spec(column, row) for column in piece.columns), strict=True
-        )
+        number(piece.spec(column, row), runs) if isinstance(cell, dict) else cell
+        for cell, column in zip(row.cells, piece.columns, strict=True)
     ]
     return Row(cells, row.of)
 

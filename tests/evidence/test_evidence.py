@@ -16,6 +16,7 @@ from mjforage.scenario.scenario_file import load_scenario
 from tests.documents.blocks import pages
 from tests.evidence import __main__ as making
 from tests.evidence import playing, tables
+from tests.evidence.cells import beside, interval
 from tests.evidence.page import names, region, renewed, shown
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, load, pieces, save
 from tests.evidence.playing import Runs, place, plain
@@ -81,8 +82,8 @@ def test_numbers_are_of_what_the_commands_play(name: str, monkeypatch: pytest.Mo
         return np.array([1.0, 2.0, 4.0])
 
     monkeypatch.setattr(tables, "values", values)
-    for way in ("entry", "contribution", "slope", "break_point", "impact"):
-        monkeypatch.setitem(tables.WAYS, way, lambda spec, runs: {"mean": 1.0})
+    for way in tables.OTHERS:
+        monkeypatch.setitem(tables.OTHERS, way, lambda spec, runs: {"mean": 1.0})
     rows = tables.made_rows(piece, Runs({}))
     for made, row in zip(rows, piece.rows, strict=True):
         assert [isinstance(cell, dict) for cell in made.cells] == [
@@ -113,8 +114,8 @@ def test_cells_show_what_is_known(cell: Cell, form: str, text: str) -> None:
 def test_differences_are_of_pairs() -> None:
     own, other = [3.0, 5.0, float("nan")], [1.0, 2.0, 7.0]
     half = pytest.approx(0.98)
-    assert tables.beside(own, other) == {"mean": 4.0, "gap": 2.5, "half": half, "n": 2}
-    assert tables.interval(own, other) == {"gap": 2.5, "low": 2.0, "high": 3.0, "n": 2}
+    assert beside(own, other) == {"mean": 4.0, "gap": 2.5, "half": half, "n": 2}
+    assert interval(own, other) == {"gap": 2.5, "low": 2.0, "high": 3.0, "n": 2}
 
 
 def test_a_piece_is_made_from_its_runs_and_goes_on(tmp_path: Path) -> None:

@@ -25,8 +25,10 @@ USES = (
 
 MADE = ("run/report.html", "both/report.html", "run.png", "harbour.png", "schemas/scenario.json")
 
-USERS_OWN = ("metrics.py", "controllers/__init__.py", "graph_planner/__init__.py")
-USERS_OWN += ("tests/__init__.py", "models/__init__.py")
+USERS_OWN = (
+    *("metrics.py", "controllers/__init__.py", "graph_planner/__init__.py"),
+    *("tests/__init__.py", "models/__init__.py"),
+)
 """Modules that a user may have beside a script; importing any of them ends the process."""
 
 EXTRAS = (
