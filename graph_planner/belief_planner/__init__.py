@@ -1,7 +1,6 @@
 """The parts of the belief planner: what may float where, and who goes there.
 
 Knowledge: `tracks` of the items seen, `wind` from their displacements, `hotspots` and what is left
-unseen of them, `stragglers` as particles. Search: `ways` (decisions between nodes), `routes` of
-the foragers together, `sweeps` of the scouts. `planner` composes them; `settings` switches them.
-Constants here that name no source are estimates.
+unseen of them. Search: `ways` (decisions between nodes), `routes` of the foragers together,
+`sweeps` of the scouts. `planner` composes them; `settings` switches them. Constants here that name no source are estimates.
 """

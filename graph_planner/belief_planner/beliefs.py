@@ -1,6 +1,6 @@
 """What is believed of each row of a batch: items and their drift, and what is still unseen.
 
-Tracks of what was seen, the drift from their ways, hotspots and stragglers from what was not: every
+Tracks of what was seen, the drift from their ways, hotspots from what was not: every
 decision brings them up to date with what is in view, and with looks that are heard late.
 """
 
@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel
-from mjforage.base.randomness import Stream, UInt64Array, stream_key
+from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import late as lt
 from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
-from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner import updating as up
+from mjforage.graph_planner.belief_planner import view_history as vh
 from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.drift_hypotheses import drift_hypotheses_of
@@ -28,7 +28,6 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Observation, Task
 
 ROOM = 4  # tracks kept, in multiples of the number of items expected
-TRIES, TRIES_FAST = 200, 60  # particles of unseen items tried in one decision
 HOPELESS = 1e-3  # unseen items expected in all, below which the belief is given up
 IDLE, OLD = 0.05, 135.0  # without a belief: items in a node not seen for so many steps
 LEAST_EXPECTED = 0.1  # of the mean unseen items per node: so many may be anywhere
@@ -45,7 +44,7 @@ class Beliefs:
 
     Attributes
     ----------
-    tracks, wind, spots, stragglers : see the rooms of those names
+    tracks, wind, spots : see the modules of those names
     expected : (row, node) unseen items
     later : (row, node) step until which hulls fail there, as far as is known
     """
@@ -54,28 +53,24 @@ class Beliefs:
         graph, rows = task.graph, keys.size
         self._settings, self._task, self._foragers = settings, task, task.fleet.collectors
         capacity, nodes = int(ROOM * settings.items) + 128, len(graph)
-        self._keys = np.array([stream_key(key, Stream.POLICY) for key in keys], np.uint64)
         self.tracks = tr.tracks(rows, capacity)
         self.wind = wd.wind(rows, settings)
         largest = settings.drift_node_per_step
         self._hypotheses = drift_hypotheses_of(graph, task.walls, largest, task.horizon)
         hypotheses = len(self._hypotheses.drift)
         self.spots = hs.hotspots(rows, nodes, hypotheses, capacity, settings)
-        foragers, noise = self._foragers.size, settings.noise_node_per_step
         self._missed_detections = ms.missed_detections(
             rows, nodes, task.horizon, ms.assumed_chances(task, settings)
         )
-        about = nodes, task.horizon, foragers, noise, self._missed_detections
-        self.stragglers = st.stragglers(rows, *about)
+        about = nodes, task.horizon, self._foragers.size, self._missed_detections
+        self._history = vh.view_history(rows, *about)
         self._boundary = boundary_of(graph, task.walls)
         self._glance = lt.glance(nodes)
         self.expected = np.zeros((rows, nodes))
         self.later = np.zeros((rows, nodes), np.int64)
         self._store = self._stored(capacity)
-        self._learn, self._begin = (
-            BoundKernel(up.learn, self._store),
-            BoundKernel(up.begin, self._store),
-        )
+        self._learn = BoundKernel(up.learn, self._store)
+        self._begin = BoundKernel(up.begin, self._store)
         self._settle = BoundKernel(up.settle, self._store)
         self._expect = BoundKernel(up.expect, self._store)
 
@@ -85,13 +80,10 @@ class Beliefs:
         assumed = up.Assumed(
             settings.advection,
             settings.wind,
-            settings.particles,
             settings.hotspot,
             task.pickup is None,
             float(settings.false_rate),
             float(LEAST_EXPECTED * settings.items / nodes),
-            float(settings.spread_node),
-            TRIES_FAST if settings.fast else TRIES,
         )
         return up.Store(
             assumed,
@@ -99,13 +91,12 @@ class Beliefs:
             self.tracks,
             self.wind,
             self.spots,
-            self.stragglers,
+            self._history,
             self._boundary,
             spatial_prior_of(task.graph, settings.spread_node),
             tr.ended(4 * capacity),
             tr.losses(capacity),
             rc.scratch(nodes),
-            self._keys,
             self._hypotheses.axis,
             self.expected,
             self.later,
@@ -167,8 +158,6 @@ class Beliefs:
             views, radius = self._task.views, self._task.radius_number[who]
             lt.show(step, at, seen.late_shown[e, looks], radius, views, self._glance)
             found.append(self._take_step(e, step, now, at, who))
-        if self._settings.particles:
-            st.retest(self.stragglers, self._boundary, self._keys[e], e, now - 1)
         return found
 
     def _collecting(self, e: int, at: Int32Array, who: NDArray[np.int64]) -> Int32Array:
@@ -186,7 +175,7 @@ class Beliefs:
     ) -> lt.Sighted:
         """Take in what the glance shows of a step, of agents (look,) at their nodes (look,)."""
         foragers_at = self._collecting(e, at, who)
-        store, tracks, particles, past = self._store, self.tracks, self.stragglers, now - step
+        store, tracks, past = self._store, self.tracks, now - step
         boundary, ways, lost, seen = self._boundary, store.ways, store.lost, self._glance.last_seen
         drift = self.wind.mean[e] * self._settings.advection
         up.remember(store, e, step, seen, at, who, foragers_at)
@@ -199,12 +188,8 @@ class Beliefs:
         doubts = rc.Doubts(self._missed_detections, false_rate, self.expected[e], least)
         about = up.wander_of(store, e), nobody, doubts, store.scratch
         new = rc.reconcile(tracks, boundary, edges, e, view, *about, ways, lost)
-        new = lt.doubt(tracks, particles, boundary, e, new, step, now, drift, ways, lost)
+        new = lt.doubt(tracks, self._history, boundary, e, new, step, now, drift, ways, lost)
         last = slice(int(tracks.number[e]) - new, int(tracks.number[e]))
         nodes = tracks.node[e, last].copy()
         lt.carry_on(tracks, boundary, e, step, past, drift)
-        after = tracks.node[e, last]
-        if self._settings.particles:
-            known = [st.find(particles, boundary, e, node) for node in after]
-            nodes = nodes[~np.array(known, np.bool_)]
         return lt.Sighted(step, nodes)

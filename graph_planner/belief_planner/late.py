@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.boundary import Boundary, drifted, settled
 from mjforage.graph_planner.belief_planner.missed_detections import missed
-from mjforage.graph_planner.belief_planner.stragglers import Stragglers, was_in_view
 from mjforage.graph_planner.belief_planner.tracks import ENDED, Ended, Lost, Tracks, drop, lose
+from mjforage.graph_planner.belief_planner.view_history import ViewHistory, was_in_view
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import NEVER
@@ -111,7 +111,7 @@ def collect(
 
 @kernel
 def _is_out(
-    stragglers: Stragglers,
+    history: ViewHistory,
     boundary: Boundary,
     e: int,
     row: float,
@@ -124,12 +124,12 @@ def _is_out(
     row, col, node = settled(boundary, row, col)
     unseen = 1.0
     for s in range(step + 1, now):
-        for f in range(stragglers.foragers.shape[2]):
-            if stragglers.foragers[e, s, f] == node:
+        for f in range(history.foragers.shape[2]):
+            if history.foragers[e, s, f] == node:
                 return True
         row, col, node = drifted(boundary, row, col, drift[0], drift[1], 1.0)
-        if was_in_view(stragglers.views[e], s, node):
-            unseen *= missed(stragglers.missed_detections, e, s, node)
+        if was_in_view(history.views[e], s, node):
+            unseen *= missed(history.missed_detections, e, s, node)
         if unseen < ENDED:
             return True
     return False
@@ -138,7 +138,7 @@ def _is_out(
 @kernel
 def doubt(
     tracks: Tracks,
-    stragglers: Stragglers,
+    history: ViewHistory,
     boundary: Boundary,
     e: int,
     new: int,
@@ -154,7 +154,7 @@ def doubt(
     """
     kept = new
     for i in range(tracks.number[e] - 1, tracks.number[e] - 1 - new, -1):
-        if _is_out(stragglers, boundary, e, tracks.row[e, i], tracks.col[e, i], drift, step, now):
+        if _is_out(history, boundary, e, tracks.row[e, i], tracks.col[e, i], drift, step, now):
             lose(tracks, e, i, lost)
             drop(tracks, boundary, e, i, ways)
             kept -= 1

@@ -22,8 +22,6 @@ class BeliefOptions:
     """Whether the drift is estimated from the items' displacements, else taken as zero."""
     hotspot: bool = True
     """Whether expected unseen items guide scouts and foragers, else only what was seen does."""
-    particles: bool = True
-    """Whether the last unseen items are simulated one by one."""
     preposition: bool = True
     """Whether foragers wait where the hotspot is near, else where they start."""
     joint: bool = True

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
-from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
+from mjforage.graph_planner.belief_planner import view_history as vh
 from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import Boundary
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
@@ -23,9 +22,6 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import UNREACHABLE, Observation
 
-REAL, REAL_LATE = 0.1, 0.5  # worth of items given up, with many and with few tracks left
-FEW = 15  # with so few tracks left, stragglers are simulated one by one
-LATE = 8.0  # and no more than so many unseen items expected otherwise
 LATER = 6  # steps for which an item counts less where a hull gave up
 
 
@@ -34,13 +30,10 @@ class Assumed(NamedTuple):
 
     advection: bool
     wind: bool
-    particles: bool
     hotspot: bool
     at_once: bool  # whether foragers take all there is in their node
     false_rate: float  # items per node and step that are seen and are none
     least: float  # unseen items that may be anywhere
-    spread: float  # standard deviation of a hotspot per axis [node]
-    tries: int  # particles of unseen items tried in one decision
 
 
 class Eyes(NamedTuple):
@@ -60,13 +53,12 @@ class Store(NamedTuple):
     tracks: tr.Tracks
     wind: wd.Wind
     spots: hs.Hotspots
-    stragglers: st.Stragglers  # with `missed_detections`
+    history: vh.ViewHistory  # with `missed_detections`
     boundary: Boundary
     prior: SpatialPrior
     ways: tr.Ended  # empty between decisions
     lost: tr.Lost
     scratch: rc.Scratch
-    keys: UInt64Array  # (row,) of the policy's random stream
     axis: NDArray[np.float64]  # (value,) drifts per axis that the hypotheses combine
     expected: NDArray[np.float64]  # (row, node) unseen items
     later: NDArray[np.int64]  # (row, node) step until which hulls fail there
@@ -114,8 +106,8 @@ def remember(
     """Keep a view of a step: of agents (look,) at their nodes (look,)."""
     eyes, boundary = store.eyes, store.boundary
     looking = ms.Looking(at, eyes.radius_number[who], eyes.views, boundary.rows, boundary.cols)
-    ms.look_at(store.stragglers.missed_detections, e, step, last_seen, looking)
-    st.remember(store.stragglers, e, step, last_seen, foragers_at)
+    ms.look_at(store.history.missed_detections, e, step, last_seen, looking)
+    vh.remember(store.history, e, step, last_seen, foragers_at)
 
 
 @kernel
@@ -137,12 +129,12 @@ def catch_of(store: Store, seen: Observation, e: int) -> rc.Catch:
 
 @kernel
 def settle(store: Store, seen: Observation, e: int, foragers_at: Int32Array) -> Int32Array:
-    """Make tracks, drift and losses agree with what is in view; nodes of new items (sighting,)."""
+    """Make tracks and drift agree with what is in view; nodes of new items (sighting,)."""
     now, assumed, tracks, boundary = seen.step[e] - 1, store.assumed, store.tracks, store.boundary
     who = np.flatnonzero(seen.agent_seen[e] == now)
     last_seen = seen.last_seen[e]
     remember(store, e, now, last_seen, seen.agent_node[e][who], who, foragers_at)
-    missed_detections = store.stragglers.missed_detections
+    missed_detections = store.history.missed_detections
     doubts = rc.Doubts(missed_detections, assumed.false_rate, store.expected[e], assumed.least)
     new = rc.reconcile(
         tracks,
@@ -164,7 +156,7 @@ def settle(store: Store, seen: Observation, e: int, foragers_at: Int32Array) -> 
     sighted = tracks.node[e, n - new : n].copy()
     if assumed.false_rate > 0.0:
         retract(store, e)
-    return settle_losses(store, e, now, sighted) if assumed.particles else sighted
+    return sighted
 
 
 @kernel
@@ -181,21 +173,6 @@ def retract(store: Store, e: int) -> None:
 
 
 @kernel
-def settle_losses(store: Store, e: int, now: int, sighted: Int32Array) -> Int32Array:
-    """Take in what was lost and found; those of the new sightings that are really new."""
-    particles, boundary, key, lost = store.stragglers, store.boundary, store.keys[e], store.lost
-    if particles.number[e]:
-        new = np.empty(sighted.size, np.bool_)
-        for i in range(sighted.size):
-            new[i] = not st.find(particles, boundary, e, sighted[i])
-        sighted = sighted[new]
-        st.advance(particles, boundary, key, e, now)
-    for i in range(lost.number[0]):
-        st.lose(particles, store.wind, boundary, key, e, lost.node[i], lost.step[i], now)
-    return sighted
-
-
-@kernel
 def expect(store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: Int32Array) -> None:
     """Bring the hotspots, and unseen items expected, up to date.
 
@@ -205,7 +182,7 @@ def expect(store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: 
     sighted : (sighting,) nodes of new items
     """
     now, spots, wind, expected = seen.step[e] - 1, store.spots, store.wind, store.expected[e]
-    missed_detections = store.stragglers.missed_detections
+    missed_detections = store.history.missed_detections
     hs.weigh(store.axis, wind.grid, wind.chance[e], spots.share[e])
     hs.look(spots, e, nodes, missed_detections.factor)
     if sighted.size:
@@ -214,25 +191,10 @@ def expect(store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: 
     if not store.assumed.hotspot:
         return
     hs.expect(spots, store.prior, e, nodes, expected)
-    if store.assumed.particles and spots.number[e]:
-        expect_stragglers(store, e, now)
     if ms.is_certain(missed_detections):
         for node in range(expected.size):
             if seen.last_seen[e, node] == now:
                 expected[node] = 0.0
-
-
-@kernel
-def expect_stragglers(store: Store, e: int, now: int) -> None:
-    """Replace what is expected by particles once little is left, and add what was lost."""
-    particles, spots, expected = store.stragglers, store.spots, store.expected[e]
-    total, real = 0.0, REAL
-    if store.tracks.number[e] <= FEW and expected.sum() < LATE:
-        about = particles, spots, store.wind, store.boundary, store.keys[e]
-        st.try_more(*about, e, now, store.assumed.spread, store.assumed.tries)
-        expected[:] = 0.0
-        total, real = spots.total[e], REAL_LATE
-    st.expect_stragglers(particles, store.boundary, e, total, real, expected)
 
 
 @kernel

@@ -5,16 +5,13 @@ import pytest
 
 from mjforage.graph_planner.belief_planner import late as lt
 from mjforage.graph_planner.belief_planner import reconciling as rc
-from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
-from mjforage.graph_planner.belief_planner.stragglers import stragglers
+from mjforage.graph_planner.belief_planner.missed_detections import missed_detections
+from mjforage.graph_planner.belief_planner.view_history import remember, view_history
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import NEVER
-from tests.graph_planner.belief_planner.test_stragglers import BOUNDARY as WIDE_SHORE
-from tests.graph_planner.belief_planner.test_stragglers import KEY, Search
-from tests.graph_planner.belief_planner.test_stragglers import SEA as WIDE
 
 SEA = navigation_graph(np.ones((12, 30), np.bool_), 1.0, False)
 BOUNDARY = boundary_of(SEA)
@@ -28,7 +25,9 @@ class Past:
     now = 10
 
     def __init__(self) -> None:
-        self.tracks, self.particles = tr.tracks(1, 20), stragglers(1, len(SEA), 20, 1, 0.0)
+        nothing_missed = missed_detections(1, len(SEA), 20, np.ones(1))
+        self.tracks = tr.tracks(1, 20)
+        self.history = view_history(1, len(SEA), 20, 1, nothing_missed)
         self.ways, self.lost, self.memory = tr.ended(90), tr.losses(20), rc.scratch(len(SEA))
 
     def track(self, row: float, col: float, seen: int) -> None:
@@ -50,7 +49,7 @@ class Past:
             belief[SEA.node_of_cell[cell]] = counts.get(cell, 0)
             seen[SEA.node_of_cell[cell]] = step
         past, tracks, ways, lost = self.now - step, self.tracks, self.ways, self.lost
-        st.remember(self.particles, 0, step, seen, foragers_at)
+        remember(self.history, 0, step, seen, foragers_at)
         lt.work_back(tracks, BOUNDARY, 0, step, past, EAST)
         lt.collect(tracks, BOUNDARY, 0, step, foragers_at, EAST, ways, lost)
         view, nobody = rc.View(step, belief, seen), rc.Catch(NOBODY[:0], np.zeros(0, np.int64))
@@ -58,7 +57,7 @@ class Past:
         about = SEA.neighbours, 0, view, 0.1, nobody, doubts, self.memory, ways, lost
         new = rc.reconcile(tracks, BOUNDARY, *about)
         about_now = 0, new, step, self.now, EAST, ways, lost
-        new = lt.doubt(tracks, self.particles, BOUNDARY, *about_now)
+        new = lt.doubt(tracks, self.history, BOUNDARY, *about_now)
         lt.carry_on(tracks, BOUNDARY, 0, step, past, EAST)
         return new
 
@@ -132,7 +131,7 @@ def test_what_would_have_been_seen_or_taken_since_is_no_new_item(taken: bool) ->
         at = np.array([SEA.node_of_cell[3, 13]], np.int32)
     else:
         seen[SEA.node_of_cell[3, 13]] = 7
-    st.remember(past.particles, 0, 7, seen, at)
+    remember(past.history, 0, 7, seen, at)
     assert past.hear(5, {(3, 12): 1}, [(3, 12)]) == 0
     assert past.places == [] and past.lost.number[0] == 1
 
@@ -145,45 +144,6 @@ def test_what_a_forager_came_to_was_taken_unless_it_was_seen_since() -> None:
         past.hear(5, {}, [(10, 3)], at)
         assert len(past.places) == left
         assert past.lost.number[0] == lost, "lost if it had not been seen just before"
-
-
-def test_particles_are_run_again_through_what_is_heard_late() -> None:
-    """As if the view had been known in time; the others are where they were, to the bit."""
-    on_time, late = Search((0.3, 0.0), noise=0.05), Search((0.3, 0.0), noise=0.05)
-    patch = [(r, c) for r in range(22, 27) for c in range(15, 22)]
-    on_time.view(6, *patch)
-    for search in (on_time, late):
-        search.draw(10, tries=150)
-    many = int(late.particles.number[0])
-    late.view(6, *patch)
-    st.retest(late.particles, WIDE_SHORE, KEY, 0, 10)
-    n = int(on_time.particles.number[0])
-    assert int(late.particles.number[0]) == n < many
-    for name in ("row", "col", "label"):
-        one, two = (np.sort(getattr(s.particles, name)[0, :n]) for s in (on_time, late))
-        np.testing.assert_array_equal(one, two)
-
-
-def test_particles_that_began_in_a_late_view_of_the_start_are_gone() -> None:
-    search, west = Search(), [(r, c) for r in range(40) for c in range(20)]
-    search.draw(3, tries=150)
-    assert search.expected[:, :20].sum() > 0.0
-    search.view(0, *west)
-    st.retest(search.particles, WIDE_SHORE, KEY, 0, 3)
-    assert search.expected[:, :20].sum() == 0.0 < search.expected.sum()
-
-
-def test_a_lost_item_is_looked_for_in_the_later_of_two_late_views() -> None:
-    """One begun between two views that are heard together is held against the second."""
-    node = int(WIDE.node_of_cell[20, 20])
-    for since, left in ((6, False), (8, True)):
-        search = Search()
-        st.lose(search.particles, search.wind, WIDE_SHORE, KEY, 0, node, since, 10)
-        search.view(3, (0, 0))
-        search.view(8, (20, 20))
-        assert search.particles.number[0] > 0
-        st.retest(search.particles, WIDE_SHORE, KEY, 0, 10)
-        assert bool(search.particles.number[0] > 0) == left
 
 
 def test_looks_of_one_step_are_shown_together() -> None:

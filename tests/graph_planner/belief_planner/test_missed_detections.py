@@ -7,12 +7,11 @@ from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import late as lt
 from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
-from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
-from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.spatial_prior import spatial_prior_of
+from mjforage.graph_planner.belief_planner.view_history import remember, view_history
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.detection import real_if_missed, real_if_new, real_if_seen
 
@@ -157,36 +156,14 @@ def test_late_news_is_out_once_views_since_would_hardly_have_missed_it() -> None
     """Missed with .5 by each of the views since: .125 after three, .0625 after four."""
     for views, kept in ((3, 1), (4, 0)):
         watch = Watch(0.5)
-        particles = st.stragglers(1, NODES, 40, 0, 0.0, watch.missed_detections)
+        history = view_history(1, NODES, 40, 0, watch.missed_detections)
         tr.begin(watch.tracks, BOUNDARY, 0, HERE, 1, watch.ways)
         for step in range(2, 2 + views):
             look(watch.missed_detections, [HERE], [1], step)
-            st.remember(particles, 0, step, seen_by([HERE], [1], step), np.zeros(0, np.int32))
+            remember(history, 0, step, seen_by([HERE], [1], step), np.zeros(0, np.int32))
         drift, ways = np.zeros(2), (watch.ways, watch.lost)
-        new = lt.doubt(watch.tracks, particles, BOUNDARY, 0, 1, 1, 10, drift, *ways)
+        new = lt.doubt(watch.tracks, history, BOUNDARY, 0, 1, 1, 10, drift, *ways)
         assert new == kept == watch.tracks.number[0]
-
-
-def test_a_particle_survives_a_view_with_the_chance_to_be_missed() -> None:
-    survived = []
-    for chance in (0.7, 1.0):
-        missed_detections = ms.missed_detections(1, NODES, 10, np.full(17, chance))
-        particles = st.stragglers(1, NODES, 10, 0, 0.0, missed_detections)
-        spots, wind = hs.hotspots(1, NODES, 1, 10, BeliefSettings()), wd.wind(1, BeliefSettings())
-        wind.mean[0], wind.deviation[0] = 0.0, 0.0
-        spots.chance[0, 0], spots.sighted[0, 0] = 0.0, 1
-        spots.chance[0, 0, HERE] = 1.0
-        for step in range(3):
-            view = np.full(NODES, step, np.int16)
-            missed_detections.near[0, step:, :] = 1 if chance < 1.0 else 0
-            st.remember(particles, 0, step, view, np.zeros(0, np.int32))
-        for _ in range(20):
-            st.try_more(particles, spots, wind, BOUNDARY, KEY, 0, 2, 2.0, 200)
-        survived.append(int(particles.number[0]) / int(particles.tried[0]))
-    assert survived[1] == 0.0
-    share = 0.3**3  # at steps 0, 1 and 2
-    tried = 4000
-    assert abs(survived[0] - share) < 4 * np.sqrt(share / tried)
 
 
 def test_a_hotspot_is_less_likely_where_views_showed_nothing_but_not_refuted() -> None:

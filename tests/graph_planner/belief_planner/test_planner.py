@@ -98,44 +98,8 @@ class Watch:
         return self.policy.act(observation)
 
     @property
-    def particles(self) -> int:
-        return int(self.policy.planner.beliefs.stragglers.number[0])
-
-    @property
     def sightings(self) -> int:
         return int(self.policy.planner.beliefs.spots.number[0])
-
-
-def lost_item() -> Watch:
-    """An item seen at the first step, and gone 40 steps later."""
-    watch = Watch()
-    watch.look(1, 1, (15, 15))
-    for step in range(2, 40):
-        watch.look(step, -1, (15, 15))
-    assert watch.sightings == 1
-    watch.look(40, 1)
-    return watch
-
-
-def test_a_lost_item_that_is_found_again_is_no_new_sighting() -> None:
-    watch = lost_item()
-    lost = watch.policy.planner.beliefs.stragglers.lost[0]
-    assert watch.particles > 0 and lost[0] > 0
-    watch.look(41, 1)
-    watch.look(42, 3, (15, 18))
-    assert watch.sightings == 1 and lost[0] == 0
-    watch.look(43, 12, (15, 18), (5, 5))
-    assert watch.sightings == 2  # that one is new
-
-
-def test_what_was_lost_drifts_on_and_is_not_where_nobody_meets_it() -> None:
-    watch = lost_item()
-    particles = watch.policy.planner.beliefs.stragglers
-    before = particles.row[0, : watch.particles].copy()
-    watch.look(41, -1)
-    assert not np.array_equal(particles.row[0, : watch.particles], before)
-    watch.look(42, 14)
-    assert particles.lost[0, 0] == 0 or watch.particles == 0
 
 
 @pytest.mark.parametrize("ghost", [False, True])
@@ -146,7 +110,7 @@ def test_a_scout_goes_back_to_what_was_known_long_ago(ghost: bool) -> None:
     forager has just been.
     """
     task = task_of(SEA, scouts=Role(1, 1, 4.0, False), foragers=Role(1, 1, 1.0, True))
-    policy, known = BeliefPolicy(fast=True, particles=False), {(15, 5): 1, (15, 25): 1}
+    policy, known = BeliefPolicy(fast=True), {(15, 5): 1, (15, 25): 1}
     last_seen = np.zeros(len(SEA), np.int16)
     for step in range(1, 30):
         last_seen[SEA.cols > 10] = step - 1
@@ -216,7 +180,7 @@ def test_without_hotspots_foragers_go_only_to_what_was_seen() -> None:
     """An item was seen and is gone; items are expected wherever nobody has looked for long."""
     moves = {}
     for hotspot in (True, False):
-        watch = Watch(hotspot=hotspot, particles=False, preposition=False)
+        watch = Watch(hotspot=hotspot, preposition=False)
         watch.last_seen[:] = NEVER
         watch.look(1, 1, (15, 15))
         moves[hotspot] = watch.look(2, 1)[0, 1].argmax()
