@@ -2,5 +2,6 @@
 
 Knowledge: `tracks` of the items seen, `wind` from their displacements, `hotspots` and what is left
 unseen of them. Search: `ways` (decisions between nodes), `routes` of the foragers together,
-`sweeps` of the scouts. `planner` composes them; `settings` switches them. Constants here that name no source are estimates.
+`sweeps` of the scouts. `planner` composes them; `settings` switches them. Constants here that name
+no source are estimates.
 """
