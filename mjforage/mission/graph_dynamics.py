@@ -91,7 +91,7 @@ class GraphDynamics:
         self._wind = np.array((drift[1], -drift[0]))
         if self._trajectory is not None:
             self._trajectory.start(self._period_s)
-        self._shoot()
+        self._record()
         return self._state
 
     def _begin(self, state: Transition) -> None:
@@ -123,10 +123,10 @@ class GraphDynamics:
         self._move(active, moves)
         self._items.advance(active, step)
         if active[0]:
-            self._shoot()
+            self._record()
         return self._state
 
-    def _shoot(self) -> None:
+    def _record(self) -> None:
         if self._trajectory is None:
             return
         state, metres = self._state, self._graph.metres

@@ -155,7 +155,7 @@ class MujocoDynamics:
         self._tick = np.zeros(episodes, np.int64)
         if self._trajectory is not None:
             self._trajectory.start(WEATHER_TICKS * CONTROL_S)
-            self._shoot()
+            self._record()
         return self._state
 
     def place(self, pose: NDArray[np.float64]) -> None:
@@ -201,13 +201,13 @@ class MujocoDynamics:
                 self._feel(active)
                 self._seek(active, Sent(target, stay))
                 if recorded and tick:
-                    self._shoot()
+                    self._record()
             self._steer(active, ids, target, pose)
             if self._intake:
                 self._take(active)
         self._settle(active, step, moves)
         if recorded:
-            self._shoot()
+            self._record()
         simulation.load[active] = self._fleet.capacity - self._room_left[active]
         return state
 
@@ -336,7 +336,7 @@ class MujocoDynamics:
             collect(active, self._fleet.collects, self._room_left, state)
             self._remove()
 
-    def _shoot(self) -> None:
+    def _record(self) -> None:
         """A frame of the first episode, with the wind at its first hull."""
         assert self._trajectory is not None
         simulation, state, items = self._simulation, self._state, self._state.item_node.shape[1]
