@@ -23,7 +23,7 @@ from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
 from mjforage.scenario.scenario_file import load_scenario
-from mjforage.view.render import render_replay
+from mjforage.view.render import render_recording
 from mjforage.view.report import write_report
 
 output = Console(highlight=False, soft_wrap=True)
@@ -60,7 +60,7 @@ def main(hours: float) -> None:
             output.print(f"{world}, {name}: {figures}")
     output.print(f"report: {write_report(run)}")
     film = FOLDER / "physics.mp4"
-    render_replay(Recording.load(run / "replay" / "physics-mine-0.npz"), film, duration_s=600.0)
+    render_recording(Recording.load(run / "replay" / "physics-mine-0.npz"), film, duration_s=600.0)
     output.print(f"film: {film}")
 
 

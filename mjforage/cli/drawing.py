@@ -35,7 +35,7 @@ def render(
 
     The episode is simulated again from run.json and checked against the run's logs. The graph world
     from above is a plain drawing; everything else is drawn by MuJoCo through EGL or OSMesa, without
-    a display.
+    a display. Waves, rocking vessels and bobbing items are drawn, not simulated.
 
     Parameters
     ----------
@@ -68,12 +68,12 @@ def render(
         Simulated seconds per second of film; default four decisions per second, for chase and scout
         one.
     width
-        Of a frame [pixel]; default 1280.
+        Of a frame [pixel]; default 1280, or 16/9 of the height.
     height
-        Of a frame [pixel]; default 720.
+        Of a frame [pixel]; default 9/16 of the width.
     """
     from mjforage.runs.replaying import replay_of_run
-    from mjforage.view.render import render_replay
+    from mjforage.view.render import render_recording
 
     logging.getLogger("mjforage.view.render").setLevel(logging.INFO)  # says what draws
     own_word(policy, beside)
@@ -83,7 +83,7 @@ def render(
         replay = replay_of_run(folder, world, policy, episode)
         other = None if beside is None else replay_of_run(folder, world, beside, episode)
     with bar("render", "frames") as shown:
-        render_replay(
+        render_recording(
             replay,
             output_file,
             beside=other,
@@ -155,11 +155,11 @@ def view(
     from mjforage.mission.setup import Setup
     from mjforage.runs.replaying import replay_of_run
     from mjforage.scenario.scenario_file import load_scenario
-    from mjforage.view.render.viewer import check_display, view_replay, view_scenario
+    from mjforage.view.render.viewer import check_display, view_recording, view_scenario
 
     check_display()
     own_word(policy)
     if Path(what).is_dir():
-        view_replay(replay_of_run(Path(what), world, policy, episode), speed)
+        view_recording(replay_of_run(Path(what), world, policy, episode), speed)
     else:
         view_scenario(Setup.of(load_scenario(what)), seed, episode)

@@ -85,12 +85,11 @@ class Recording:
     track_items: NDArray[np.float32]  # (F, item, 2) x, y [m]; last position once removed
     track_present: NDArray[np.bool_]  # (F, item) False once removed
     track_wind: NDArray[np.float32]  # (F, 2) wind over ground, without place [m/s]
+    t_discovered: NDArray[np.int16]  # (item,) step of each item's discovery, -1 never
     world: str = "graph"
     policy: str = ""
     seed: int = 0
     episode: int = 0
-    t_discovered: NDArray[np.int16] | None = None
-    """(item,) step of each item's discovery, -1 never; None in files of versions without it."""
     held: Held | None = None
     """What each agent itself knows; None where all know all."""
     names: tuple[str, ...] = ()
@@ -151,7 +150,7 @@ def _unpacked(path: Path) -> int:
 def _values(file: Any) -> dict[str, Any]:
     """The fields of a replay from an open npz file."""
     names = [f.name for f in fields(Recording) if f.name not in NOT_FIELDS]
-    values = {name: file[name] for name in names if name != "t_discovered" or name in file}
+    values = {name: file[name] for name in names}
     _check_axes(values | {name: file[name] for name in HELD_AXES if name in file})
     values["held"] = Held.of(file, values["navigable"].size)
     for kind, words in (

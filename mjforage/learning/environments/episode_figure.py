@@ -14,7 +14,7 @@ from mjforage.mission.mission import Mission
 from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.vessel_files import hull_names
 
-LONG_SIDE = 640  # pixels
+SIZE = 640, 480  # width and height [pixel]
 
 
 class EpisodeFigure:
@@ -38,24 +38,27 @@ class EpisodeFigure:
             self._items = np.flatnonzero(state.item_node[env] >= 0)  # no padding for other episodes
             steps = mission.setup.scenario.horizon + 1
             self._agent_rc = np.zeros((steps, *state.agent_rc[env].shape), np.float32)
+            self._pose = np.zeros((steps, *state.agent_yaw[env].shape, 3), np.float32)
             self._present = np.zeros((steps, self._items.size), np.bool_)
             self._most = 0
             if self._harbour is not None:
                 self._harbour.close()
         self._agent_rc[self._step] = state.agent_rc[env]
+        self._pose[self._step, :, :2] = mission.setup.graph.metres(state.agent_rc[env])
+        self._pose[self._step, :, 2] = state.agent_yaw[env]
         self._present[self._step] = state.item_node[env, self._items] >= 0
         self._most = max(self._most, int(mission.knowledge.belief[env].max(initial=0)))
 
     def draw(self, core: EnvironmentCore, episodes: Episodes) -> NDArray[np.uint8]:
         """(height, width, 3) what is there now, from above with seed and episode in the title."""
-        from mjforage.view.render import TopView  # matplotlib-free, but slow to import
+        from mjforage.view.render import map_film  # slow to import
         from mjforage.view.render.palette import LEAST_MOST
 
         replay = self._replay(core, episodes)
         if self._harbour is not None:
             return self._harbour.draw(replay, self._step)
         most = max(LEAST_MOST, self._most)
-        return TopView(replay, LONG_SIDE, most=most).frame(float(self._step))
+        return map_film([replay], SIZE, most).frame(float(self._step))
 
     def close(self) -> None:
         """Give OpenGL back, if it draws."""
@@ -103,16 +106,18 @@ class EpisodeFigure:
         }
 
     def _track(self, core: EnvironmentCore) -> dict[str, Any]:
-        """What the core has recorded; a frame of nothing where it does not."""
-        trajectory, agents, items = core.trajectory, len(core.setup.fleet), self._items
+        """What the core has recorded; a frame for each step where it does not."""
+        trajectory, items, frames = core.trajectory, self._items, self._step + 1
         if trajectory is None:
+            rc = core.mission.state.item_rc[self._env, items]
+            xy = core.setup.graph.metres(rc).astype(np.float32)
             return {
                 "item_class": np.zeros(items.size, np.int16),
                 "frame_s": core.setup.scenario.period_s,
-                "track_pose": np.zeros((1, agents, 3), np.float32),
-                "track_items": np.zeros((1, items.size, 2), np.float32),
-                "track_present": np.zeros((1, items.size), np.bool_),
-                "track_wind": np.zeros((1, 2), np.float32),
+                "track_pose": self._pose[:frames],
+                "track_items": np.broadcast_to(xy, (frames, *xy.shape)),
+                "track_present": self._present[:frames],
+                "track_wind": np.zeros((frames, 2), np.float32),
             }
         from mjforage.physics.dynamics.fleet_scene import item_choices
         from mjforage.physics.dynamics.item_bodies import draw_classes

@@ -56,14 +56,14 @@ class HarbourFigure:
             self._view = self._opened(replay)
         else:
             self._view.go_on(replay)
-        return self._view.frame(float(step))
+        return self._view.picture(float(step))
 
     def _opened(self, replay: Recording) -> "HarbourView":
         from mjforage.view.render.harbour_view import HarbourView
 
         if HarbourFigure._drawing is not None:
             HarbourFigure._drawing.close()
-        view = HarbourView(replay, self._camera, WIDTH, HEIGHT, panel=False)
+        view = HarbourView(replay, self._camera, WIDTH, HEIGHT)
         HarbourFigure._drawing = self
         return view
 

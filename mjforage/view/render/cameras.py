@@ -66,6 +66,11 @@ class Area:
         x, y = (self.west, self.east, self.east, self.west), (self.south,) * 2 + (self.north,) * 2
         return np.column_stack((x, y, np.zeros(4)))
 
+    @property
+    def shape(self) -> float:
+        """Width by height."""
+        return (self.east - self.west) / (self.north - self.south)
+
     def grown(self, margin: float) -> "Area":
         """With a margin all around [m]."""
         south, north = self.south - margin, self.north + margin

@@ -1,8 +1,7 @@
-"""An episode into a file, by whichever drawing suits its world and camera."""
+"""A film of a recorded episode, by whichever drawing suits its world and camera."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,22 +11,27 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette
-from mjforage.view.render.beside import Beside, BesideFrame, Half, check_beside
 from mjforage.view.render.cameras import CAMERAS
+from mjforage.view.render.film_frame import (
+    FilmFrame,
+    MapPicture,
+    Picture,
+    check_beside,
+    shape_of,
+)
+from mjforage.view.render.layout import Box, Layout, frame_layout
+from mjforage.view.render.panel import sign_words
 from mjforage.view.render.seen_by import EVERYBODY
 from mjforage.view.render.seen_by import seen_by as as_seen_by
-from mjforage.view.render.side_panel import Moment
-from mjforage.view.render.times import frame_times
-from mjforage.view.render.top_view import TopView
 from mjforage.view.render.video import check_target, is_numbered, write_video
 
 WIDTH, HEIGHT = 1280, 720  # [pixel]
 MOST_WIDTH, MOST_HEIGHT, LEAST = 3840, 2160, 64
 _STILL_DETAIL = 2  # a single picture is drawn so many times larger and shrunk
+_TOLERANCE = 1e-6  # [step]
 
 Progress = Callable[[int, int], None]
 Size = tuple[int | None, int | None]
-Frame = Callable[[float], NDArray[np.uint8]]
 
 
 def default_camera(world: str) -> str:
@@ -40,8 +44,8 @@ def needs_opengl(world: str, camera: str) -> bool:
     return (world, camera) != ("graph", "top")
 
 
-def render_replay(
-    replay: Recording,
+def render_recording(
+    recording: Recording,
     path: Path,
     *,
     beside: Recording | None = None,
@@ -59,7 +63,7 @@ def render_replay(
 
     Parameters
     ----------
-    replay : Recording
+    recording : Recording
         The episode.
     path : Path
         Its suffix chooses the kind, see `write_video`; a single PNG shows the time `start_s`.
@@ -73,8 +77,7 @@ def render_replay(
     seen_by : str
         Vessel by whose knowledge the episode is drawn, such as ``scouts_0``, or ``all``.
     size : (int or None, int or None)
-        Width and height of a frame [pixel], by default 1280 x 720. The drawing of one episode of
-        the graph world from above takes the width for its longer side and finds its own height.
+        Width and height of a frame [pixel], by default 1280 x 720; one alone gives the other, 16:9.
     start_s, duration_s : float
         What to show, in simulated seconds; by default all of the episode.
     fps : float
@@ -98,123 +101,137 @@ def render_replay(
         written.
     """
     check_target(path, fps)
-    name = camera or default_camera(replay.world)
+    name = camera or default_camera(recording.world)
     if name not in CAMERAS:
         raise UserError(f"camera {name}: unknown; {nearest(name, CAMERAS)}")
     if speed is None:
-        speed = CAMERAS[name].steps_per_film_s * replay.period_s
-    shown = [as_seen_by(each, seen_by) for each in (replay, beside) if each is not None]
+        speed = CAMERAS[name].steps_per_film_s * recording.period_s
+    shown = [as_seen_by(each, seen_by) for each in (recording, beside) if each is not None]
     if beside is not None:
-        check_beside(replay, beside)
+        check_beside(recording, beside)
     longest = max(shown, key=lambda each: len(each.agent_rc))
     times = frame_times(longest, start_s=start_s, duration_s=duration_s, fps=fps, speed=speed)
     still = path.suffix.lower() == ".png" and not is_numbered(path)
     times = times[:1] if still else times
+    frame_size = _checked_size(size)
     with ExitStack() as opened:
-        if needs_opengl(replay.world, name):
-            look = _Look(name, follow, speed, _STILL_DETAIL if still else 1)
-            draw = _through_mujoco(shown, look, size, opened)
+        if needs_opengl(recording.world, name):
+            detail = _STILL_DETAIL if still else 1
+            film = _through_mujoco(shown, frame_size, name, follow, speed, detail, opened)
         else:
-            draw = _drawing(shown, follow, size)
-        return write_video(_frames(draw, times, progress), path, fps)
+            if follow is not None:
+                raise UserError(
+                    f"follow {follow}: camera top follows nobody; choose chase or scout"
+                )
+            film = map_film(shown, frame_size)
+        return write_video(_frames(film, times, progress), path, fps)
 
 
-@dataclass(frozen=True)
-class _Look:
-    """How MuJoCo's pictures are taken."""
+def frame_times(
+    recording: Recording,
+    *,
+    start_s: float = 0.0,
+    duration_s: float | None = None,
+    fps: float,
+    speed: float,
+) -> NDArray[np.float64]:
+    """Return the times (frame,) [step] that a film shows, both ends included.
 
-    camera: str
-    follow: str | None
-    speed: float
-    detail: int
+    Raises
+    ------
+    UserError
+        If a time lies outside the episode, or `fps` or `speed` is not above 0.
+    """
+    length, period_s = len(recording.agent_rc) - 1, recording.period_s
+    end_s = length * period_s
+    if not 0.0 <= start_s <= end_s:
+        raise UserError(f"start {start_s:g} s: the episode lasts from 0 to {end_s:g} s")
+    if duration_s is None:
+        duration_s = end_s - start_s
+    elif not 0.0 < duration_s < np.inf:
+        raise UserError(f"duration {duration_s:g} s: must be over 0")
+    if start_s + duration_s > end_s + _TOLERANCE * period_s:
+        most = f"from {start_s:g} s on, at most {end_s - start_s:g} s are left"
+        raise UserError(f"duration {duration_s:g} s: the episode ends at {end_s:g} s; {most}")
+    for name, value in (("fps", fps), ("speed", speed)):
+        if not 0.0 < value < np.inf:
+            raise UserError(f"{name} {value:g}: must be over 0")
+    step_per_frame = speed / fps / period_s
+    count = int(duration_s / period_s / step_per_frame + _TOLERANCE) + 1
+    times = start_s / period_s + step_per_frame * np.arange(count, dtype=np.float64)
+    shown: NDArray[np.float64] = np.minimum(times, length)
+    return shown
 
 
-def _through_mujoco(shown: list[Recording], look: _Look, size: Size, opened: ExitStack) -> Frame:
+def map_film(shown: list[Recording], size: tuple[int, int], most: int | None = None) -> FilmFrame:
+    """Frames of the plain drawing from above, of one episode or two side by side.
+
+    Parameters
+    ----------
+    size : width and height [pixel]
+    most : count of believed items that is drawn darkest, by default the largest
+    """
+    layout = _layout(shown, size, shape_of(shown[0]), charted=False)
+    most = most or palette.most_believed(*(one.belief for one in shown))
+    pictures = [
+        MapPicture(one, _whole(box), most=most)
+        for one, box in zip(shown, layout.pictures, strict=True)
+    ]
+    return FilmFrame(shown, pictures, size, layout, drawn=True)
+
+
+def _through_mujoco(
+    shown: list[Recording],
+    size: tuple[int, int],
+    camera: str,
+    follow: str | None,
+    speed: float,
+    detail: int,
+    opened: ExitStack,
+) -> FilmFrame:
     """What MuJoCo draws of one episode, or of two side by side; `opened` closes it."""
-    frame = _frame_size(size)
-    from mjforage.view.render.harbour_view import (
-        HarbourView,  # loads MuJoCo, the drawing goes without
-    )
+    from mjforage.view.render.harbour_view import HarbourView, water_area  # loads MuJoCo
 
-    def view(
-        replay: Recording,
-        width: int,
-        height: int,
-        *,
-        panel: bool,
-        shares: HarbourView | None = None,
-    ) -> HarbourView:
-        taken = HarbourView(
-            replay,
-            look.camera,
-            width,
-            height,
-            follow=look.follow,
-            speed=look.speed,
-            detail=look.detail,
-            panel=panel,
-            shares=shares,
-        )
-        return opened.enter_context(taken)
-
-    if len(shown) == 1:
-        return view(shown[0], *frame, panel=True).frame
-    place = BesideFrame(*frame)
-    right = view(shown[1], *place.rooms[1], panel=False)  # the larger one, of odd widths
-    left = view(shown[0], *place.rooms[0], panel=False, shares=right)
-    first, second = (
-        Half(replay, taken.frame, taken.moment, True, taken.followed)
-        for replay, taken in zip(shown, (left, right), strict=True)
-    )
-    return Beside((first, second), place).frame
+    shape = None if CAMERAS[camera].follows else water_area(shown[0]).shape
+    layout = _layout(shown, size, shape, charted=True)
+    view: HarbourView | None = None
+    pictures: list[Picture] = []
+    # The right one comes first: it is larger, and the left one draws on its canvas.
+    for recording, box in list(zip(shown, layout.pictures, strict=True))[::-1]:
+        kind = recording, camera, *_whole(box)
+        view = HarbourView(*kind, follow=follow, speed=speed, detail=detail, shares=view)
+        pictures.insert(0, opened.enter_context(view))
+    return FilmFrame(shown, pictures, size, layout, drawn=False)
 
 
-def _frame_size(size: Size) -> tuple[int, int]:
-    """Width and height of a frame, checked."""
-    return (
-        _checked("width", size[0], WIDTH, MOST_WIDTH),
-        _checked("height", size[1], HEIGHT, MOST_HEIGHT),
-    )
+def _layout(
+    shown: list[Recording], size: tuple[int, int], shape: float | None, *, charted: bool
+) -> Layout:
+    signs = len(sign_words(shown[0], 2, drawn=not charted))
+    return frame_layout(*size, len(shown), shape, signs, charted)
 
 
-def _drawing(shown: list[Recording], follow: str | None, size: Size) -> Frame:
-    """The plain drawing from above, for which some options mean nothing."""
+def _whole(box: Box) -> tuple[int, int]:
+    """Width and height in whole pixels."""
+    return round(box.width), round(box.height)
+
+
+def _checked_size(size: Size) -> tuple[int, int]:
+    """Width and height of a frame, checked; one alone gives the other."""
+    for name, value, most in zip(("width", "height"), size, (MOST_WIDTH, MOST_HEIGHT), strict=True):
+        if value is not None and not LEAST <= value <= most:
+            raise UserError(f"{name} {value}: must be {LEAST} to {most} pixels")
     width, height = size
-    if follow is not None:
-        raise UserError(f"follow {follow}: camera top follows nobody; choose chase or scout")
-    if len(shown) == 2:
-        place = BesideFrame(*_frame_size(size))
-        most = palette.most_believed(*(replay.belief for replay in shown))
-        first, second = (
-            _drawn_half(replay, room, most) for replay, room in zip(shown, place.rooms, strict=True)
-        )
-        return Beside((first, second), place).frame
-    if height is not None:
-        raise UserError(
-            f"height {height}: the drawing from above finds its own; leave height out, or choose "
-            "another camera"
-        )
-    if width is not None and not 320 <= width <= 7680:
-        raise UserError(f"width {width}: must be 320 to 7680 pixels, for example 1280")
-    return TopView(shown[0], width).frame
-
-
-def _drawn_half(replay: Recording, room: tuple[int, int], most: int) -> Half:
-    view = TopView(replay, room=room, most=most)
-    return Half(replay, view.frame, lambda time: Moment(view.on_chart(time), "", 0.0), False, None)
-
-
-def _checked(name: str, value: int | None, default: int, most: int) -> int:
-    if value is not None and not LEAST <= value <= most:
-        raise UserError(f"{name} {value}: must be {LEAST} to {most} pixels, for example {default}")
-    return default if value is None else value
+    if width is None:
+        width = WIDTH if height is None else round(height * WIDTH / HEIGHT)
+    return width, height or max(LEAST, round(width * HEIGHT / WIDTH))
 
 
 def _frames(
-    draw: Frame, times: NDArray[np.float64], progress: Progress | None
+    film: FilmFrame, times: NDArray[np.float64], progress: Progress | None
 ) -> Iterator[NDArray[np.uint8]]:
     """One frame after the other; none is kept."""
     for done, time in enumerate(times.tolist(), start=1):
-        yield draw(time)
+        yield film.frame(time)
         if progress is not None:
             progress(done, len(times))

@@ -13,7 +13,7 @@ _COUNT_SIZE, _COUNT_AWAY = 12.0, 12.0  # of the count beside it [unit]
 
 def paint_links(
     image: Image,
-    replay: Recording,
+    recording: Recording,
     step: int,
     points: Floats,
     unit: float,
@@ -26,9 +26,9 @@ def paint_links(
     points : (agent, 2) where vessels are [pixel]
     unit : width of a fine line [pixel]
     """
-    if replay.held is None:
+    if recording.held is None:
         return
-    linked, lost = replay.held.linked[step], replay.held.lost[step]
+    linked, lost = recording.held.linked[step], recording.held.lost[step]
     for i, j in np.argwhere(np.triu(linked)):
         if lost[i, j] + lost[j, i]:
             paint_lost(image, points[[i, j]], unit)
@@ -52,11 +52,11 @@ def paint_lost(image: Image, ends: Floats, unit: float) -> None:
         paint_stroke(image, dash, np.full(2, 2.2 * unit), np.full(2, 0.95), palette.LOST)
 
 
-def write_lost(image: Image, replay: Recording, step: int, points: Floats, unit: float) -> None:
+def write_lost(image: Image, recording: Recording, step: int, points: Floats, unit: float) -> None:
     """Write how many looks were lost, beside the middle of each link."""
-    if replay.held is None:
+    if recording.held is None:
         return
-    lost = replay.held.lost[step]
+    lost = recording.held.lost[step]
     for i, j in np.argwhere(np.triu(lost + lost.T, 1)):
         (x, y), (along_x, along_y) = points[[i, j]].mean(axis=0), points[j] - points[i]
         away = _COUNT_AWAY * unit / max(float(np.hypot(along_x, along_y)), 1e-9)

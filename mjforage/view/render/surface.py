@@ -20,9 +20,9 @@ class Drawn(NamedTuple):
 
 
 class Spread(NamedTuple):
-    """A picture spread over the water, in world coordinates [m]."""
+    """A picture spread over the water, in world coordinates [m]; row 0 is southernmost."""
 
-    values: Field  # (row, column) or (row, column, 5)
+    values: Field | Image  # (row, column) distance to land [m], or (row, column, 5) of a `Sheet`
     west: float
     south: float
     texel_m: float
@@ -92,7 +92,7 @@ def _clamped(spread: Spread, x: float, y: float) -> float:
 
 @inlined
 def _laid_at(sheet: Spread, x: float, y: float, laid: NDArray[np.float64]) -> None:
-    """Bilinear values (5,) of the sheet at a point of the world, nothing outside it."""
+    """Bilinear colour, cover and foam (5,) of the sheet at a point, nothing outside it."""
     texels = sheet.values
     tx = (x - sheet.west) / sheet.texel_m - 0.5
     ty = (y - sheet.south) / sheet.texel_m - 0.5
@@ -104,6 +104,7 @@ def _laid_at(sheet: Spread, x: float, y: float, laid: NDArray[np.float64]) -> No
             south = (1.0 - tx) * texels[low, left, k] + tx * texels[low, left + 1, k]
             north = (1.0 - tx) * texels[low + 1, left, k] + tx * texels[low + 1, left + 1, k]
             laid[k] = (1.0 - ty) * south + ty * north
+        laid[3:] /= 255.0
 
 
 @inlined

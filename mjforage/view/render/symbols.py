@@ -1,10 +1,9 @@
-"""The things on the water: hulls, trails, items, believed items."""
+"""Symbols of a chart: vessels, trails, items, believed items."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.view.render import palette
-from mjforage.view.render.frame_layout import Layout
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import (
     Floats,
@@ -33,14 +32,15 @@ FORAGER_HULL: Floats = np.array(
 )
 
 
-def hull_length(layout: Layout) -> float:
-    """Length of a drawn hull [pixel]: one and a half nodes, within legible bounds."""
-    return float(np.clip(1.5 * layout.scale, 17.0 * layout.unit, 52.0 * layout.unit))
+def turned(points: Floats, clockwise_rad: float) -> Floats:
+    """Points (n, 2) or (2,), right and down, turned in the picture."""
+    cos, sin = np.cos(clockwise_rad), np.sin(clockwise_rad)
+    found: Floats = points @ np.array([[cos, sin], [-sin, cos]])
+    return found
 
 
-def item_radius(layout: Layout) -> float:
-    """Radius of an item's dot [pixel]."""
-    return float(np.clip(0.19 * layout.scale, 2.1 * layout.unit, 7.0 * layout.unit))
+def _corners(place: Floats, course: float, length: float, collects: bool) -> Floats:
+    return length * turned(FORAGER_HULL if collects else SCOUT_HULL, course) + place
 
 
 def paint_hull(
@@ -52,33 +52,23 @@ def paint_hull(
     colour: Colour,
 ) -> None:
     """Paint one vessel at `place` (2,) [pixel] with a soft shadow, a white rim and a deck."""
-    turn = _turn(course)
-    corners = length * _hull(collects) @ turn + place
+    corners = _corners(place, course, length, collects)
     rim = max(1.0, 0.055 * length)
     shadow = corners + 0.07 * length
     paint_polygon(image, shadow, rim, max(1.0, 0.22 * length), 0.45, palette.WATER_SHADOW)
     paint_polygon(image, corners, 1.75 * rim, 1.0, 0.9, palette.INK)
     paint_polygon(image, corners, rim, 1.0, 1.0, palette.WHITE)
     paint_polygon(image, corners, -0.25 * rim, 1.0, 1.0, colour)
-    cabin = np.array([[-0.16 if collects else -0.02, 0.0]]) * length @ turn + place
+    cabin = length * turned(np.array([[-0.16 if collects else -0.02, 0.0]]), course) + place
     size = np.array([0.075 * length])
     paint_discs(image, cabin, size, np.ones(1), palette.WHITE)
 
 
-def _hull(collects: bool) -> Floats:
-    return FORAGER_HULL if collects else SCOUT_HULL
-
-
-def _turn(course: float) -> Floats:
-    """Matrix that turns rows (x, y) by a course."""
-    return np.array([[np.cos(course), np.sin(course)], [-np.sin(course), np.cos(course)]])
-
-
-def paint_ghost(
+def paint_stale(
     image: Image, place: Floats, course: float, length: float, collects: bool, colour: Colour
 ) -> None:
-    """Paint a vessel faded, where it was last heard of."""
-    corners, rim = length * _hull(collects) @ _turn(course) + place, max(1.0, 0.055 * length)
+    """Paint a vessel faded, at its last known position."""
+    corners, rim = _corners(place, course, length, collects), max(1.0, 0.055 * length)
     paint_polygon(image, corners, rim, 1.0, 0.55, palette.WHITE)
     paint_polygon(image, corners, -0.25 * rim, 1.0, 0.5, colour)
 
@@ -86,8 +76,8 @@ def paint_ghost(
 def paint_outline(
     image: Image, place: Floats, course: float, length: float, collects: bool, colour: Colour
 ) -> None:
-    """Paint the outline of a vessel that is not heard, where it truly is."""
-    corners = length * _hull(collects) @ _turn(course) + place
+    """Paint the outline of a vessel at its true position, which is not known."""
+    corners = _corners(place, course, length, collects)
     around, line = np.concatenate((corners, corners[:1])), np.full(len(corners) + 1, 0.06 * length)
     paint_stroke(image, around, line, np.full(len(around), 0.8), colour)
 
@@ -132,12 +122,18 @@ def paint_believed(
         paint_box(image, box, 0.0, 0.0, 0.9 * float(cover), tuple(colour.tolist()))
 
 
-def paint_collected(image: Image, points: Floats, age: Floats, layout: Layout) -> None:
-    """Paint the ring that spreads where an item was just collected; `age` (n,) in 0..1."""
-    radius = item_radius(layout) + age * 0.9 * hull_length(layout)
-    width = (1.0 - age) * max(2.5, 0.16 * hull_length(layout)) + 0.5
-    left = 0.95 * (1.0 - age)
-    paint_rings(
-        image, points, radius, width + max(1.2, 0.05 * hull_length(layout)), left, palette.ITEM_RIM
-    )
-    paint_rings(image, points, radius, width, left, palette.ITEM)
+def paint_collected(
+    image: Image, points: Floats, age: Floats, radius: float, length: float
+) -> None:
+    """Paint the ring that spreads where an item was just collected.
+
+    Parameters
+    ----------
+    points : (n, 2) [pixel]
+    age : (n,) in 0..1
+    radius, length : of an item and a vessel [pixel]
+    """
+    reach, width = radius + age * 0.9 * length, (1.0 - age) * max(2.5, 0.16 * length) + 0.5
+    left, rim = 0.95 * (1.0 - age), max(1.2, 0.05 * length)
+    paint_rings(image, points, reach, width + rim, left, palette.ITEM_RIM)
+    paint_rings(image, points, reach, width, left, palette.ITEM)

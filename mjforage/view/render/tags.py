@@ -4,8 +4,8 @@ import numpy as np
 
 from mjforage.view.render import palette
 from mjforage.view.render.palette import Colour
+from mjforage.view.render.panel import DARK, text_size
 from mjforage.view.render.raster import Floats, Image, paint_box
-from mjforage.view.render.side_panel import DARK, text_size
 from mjforage.view.render.text import width, write
 
 _COVER = 0.5  # of the plate behind a name: what floats below it is seen through it

@@ -1,4 +1,4 @@
-"""Where hulls and items of a replay are at any simulated time: the track between its frames."""
+"""Positions of vessels and items of a recording at any simulated time."""
 
 from dataclasses import dataclass
 
@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.runs.episode_recording import Recording
-from mjforage.view.render.timeline import TURN_PART
 
 Floats = NDArray[np.float64]
+TURN_PART = 0.35  # part of a step that a vessel takes to turn in the graph world
 FADE_PART = 0.3  # of the time between two frames, in which a collected item vanishes
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """The track of one replay, with yaw made continuous.
+    """The track of one recording, with yaw made continuous.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class Track:
     poses : (F, agent, 3) x, y [m] and yaw [rad], yaw without jumps of a full turn
     items : (F, item, 2) x, y [m]
     removed_s : (item,) when it is collected [s], infinite if never
-    turn_part : part of the time between frames that a hull takes to turn
+    turn_part : part of the time between frames that a vessel takes to turn
     wind : (F, 2) over ground, towards east and north [m/s]
     """
 
@@ -34,60 +34,55 @@ class Track:
     wind: NDArray[np.float32]
 
     @classmethod
-    def of(cls, replay: Recording) -> "Track":
-        """Take the track out of a replay. At graph level hulls turn early in each step."""
-        poses = replay.track_pose.astype(np.float64)
+    def of(cls, recording: Recording) -> "Track":
+        """Take the track out of a recording. In the graph world vessels turn early in each step."""
+        poses = recording.track_pose.astype(np.float64)
         poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
-        gone = ~replay.track_present
-        removed = np.where(gone.any(axis=0), gone.argmax(axis=0) * replay.frame_s, np.inf)
-        coarse = replay.frame_s >= replay.period_s
-        turn_part = TURN_PART if coarse else 1.0
-        items, wind = replay.track_items, replay.track_wind
-        return cls(replay.frame_s, poses, items, removed, turn_part, wind)
+        gone, frame_s = ~recording.track_present, recording.frame_s
+        removed = np.where(gone.any(axis=0), gone.argmax(axis=0) * frame_s, np.inf)
+        turn_part = TURN_PART if frame_s >= recording.period_s else 1.0
+        items, wind = recording.track_items, recording.track_wind
+        return cls(frame_s, poses, items, removed, turn_part, wind)
 
     @property
     def end_s(self) -> float:
         """Time of the last frame [s]."""
         return (len(self.poses) - 1) * self.frame_s
 
-    def hulls_at(self, time_s: float) -> Floats:
+    def vessels_at(self, time_s: float) -> Floats:
         """(agent, 3) poses; times outside the track take its nearest end."""
-        before, after, part = self._between(time_s)
-        first, second = self.poses[before], self.poses[after]
-        pose: Floats = first + (second - first) * part
-        turn = min(1.0, part / self.turn_part)
-        pose[:, 2] = first[:, 2] + (second[:, 2] - first[:, 2]) * turn
-        return pose
+        return self._poses(self.poses, time_s)
 
     def way(self, agent: int, times_s: Floats) -> Floats:
-        """(time, 3) poses of one hull at several times."""
-        place = np.clip(times_s / self.frame_s, 0.0, len(self.poses) - 1.0)
-        before = np.minimum(place.astype(np.int64), max(len(self.poses) - 2, 0))
-        after = np.minimum(before + 1, len(self.poses) - 1)
-        part = (place - before)[:, None]
-        first, second = self.poses[before, agent], self.poses[after, agent]
+        """(time, 3) poses of one vessel at several times."""
+        return self._poses(self.poses[:, agent : agent + 1], times_s)[:, 0]
+
+    def _poses(self, values: Floats, times_s: float | Floats) -> Floats:
+        first, second, part = self._between(values, times_s)
         turn = np.minimum(1.0, part / self.turn_part)
-        poses: Floats = first + (second - first) * np.hstack((part, part, turn))
+        poses: Floats = first + (second - first) * np.concatenate((part, part, turn), axis=-1)
         return poses
 
     def items_at(self, time_s: float) -> Floats:
         """(item, 3) x, y [m] and how much of it is there: 1, falling to 0 as it is collected."""
-        before, after, part = self._between(time_s)
-        first = self.items[before].astype(np.float64)
-        xy = first + (self.items[after] - first) * part
+        first, second, part = self._between(self.items, time_s)
         left = np.clip((self.removed_s - time_s) / (FADE_PART * self.frame_s), 0.0, 1.0)
-        return np.column_stack((xy, left))
+        return np.column_stack((first + (second - first) * part, left))
 
     def wind_at(self, time_s: float) -> tuple[float, float]:
         """Wind over ground, towards east and north [m/s]."""
-        before, after, part = self._between(time_s)
-        first = self.wind[before].astype(np.float64)
-        east, north = first + (self.wind[after] - first) * part
+        first, second, part = self._between(self.wind, time_s)
+        east, north = first + (second - first) * part[..., 0]
         return float(east), float(north)
 
-    def _between(self, time_s: float) -> tuple[int, int, float]:
-        """Frame before, frame after, and part of the way."""
-        last = len(self.poses) - 1
-        place = min(max(time_s / self.frame_s, 0.0), float(last))
-        before = min(int(place), max(last - 1, 0))
-        return before, min(before + 1, last), place - before
+    def _between(
+        self, values: NDArray[np.floating], times_s: float | Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Values of the frames before and after, and the part of the way as (..., 1, 1)."""
+        last = len(values) - 1
+        place = np.clip(np.asarray(times_s) / self.frame_s, 0.0, last)
+        before = place.astype(np.int64)
+        first, second = (
+            values[k].astype(np.float64) for k in (before, np.minimum(before + 1, last))
+        )
+        return first, second, (place - before)[..., None, None]

@@ -18,8 +18,8 @@ from mjforage.mission.setup import Setup
 from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_recording import Recording
-from mjforage.view.render.stage import vessels_of
 from mjforage.view.render.track import Track
+from mjforage.view.render.visual_scene import vessels_of
 
 Floats = NDArray[np.float64]
 _FRAME_S = 1.0 / 50.0  # of a screen
@@ -51,17 +51,17 @@ def view_scenario(setup: Setup, seed: int, episode: int) -> None:
         If there is no display, or the scene cannot be built.
     """
     check_display()
-    scene, hulls, items = start_of(setup, seed, episode)
+    scene, vessels, items = start_of(setup, seed, episode)
     data = mujoco.MjData(scene.model)
-    put(scene, data, hulls, items)
-    with _window(scene.model, data, hulls) as window:
+    put(scene, data, vessels, items)
+    with _window(scene.model, data, vessels) as window:
         while window.is_running():
             window.sync()
             time.sleep(_FRAME_S)
 
 
 def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floats]:
-    """Scene of a scenario, hulls (agent, 3) and items (item, 3) as `put` takes them."""
+    """Scene of a scenario, vessels (agent, 3) and items (item, 3) as `put` takes them."""
     from mjforage.physics.dynamics.fleet_scene import item_choices
     from mjforage.physics.dynamics.item_bodies import draw_classes
     from mjforage.scenario.vessel_files import hull_names
@@ -69,7 +69,7 @@ def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floa
     mission, choice = Mission(setup), setup.scenario.physics
     mission.reset(seed, np.array([episode], np.int64))
     state, metres = mission.state, setup.graph.metres
-    hulls = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
+    vessels = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
     there = state.item_node[0] >= 0
     items = np.column_stack((metres(state.item_rc[0]), there.astype(np.float64)))
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))[0]
@@ -80,10 +80,10 @@ def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floa
         items=len(items),
         looks=np.maximum(classes, 0).tolist(),
     )
-    return scene, hulls, items
+    return scene, vessels, items
 
 
-def view_replay(replay: Recording, speed: float) -> None:
+def view_recording(recording: Recording, speed: float) -> None:
     """Play an episode back over and over, until the window closes.
 
     Parameters
@@ -98,46 +98,45 @@ def view_replay(replay: Recording, speed: float) -> None:
     if not 0.0 < speed < np.inf:
         raise UserError(f"speed {speed:g}: must be over 0")
     check_display()
-    track, scene = Track.of(replay), scene_of(replay)
+    track, scene = Track.of(recording), scene_of(recording)
     data = mujoco.MjData(scene.model)
-    with _window(scene.model, data, track.hulls_at(0.0)) as window:
-        begin, before = time.monotonic(), track.hulls_at(0.0)
+    with _window(scene.model, data, track.vessels_at(0.0)) as window:
+        begin, before = time.monotonic(), track.vessels_at(0.0)
         while window.is_running():
             time_s = (time.monotonic() - begin) * speed % (track.end_s + _FRAME_S)
-            hulls = track.hulls_at(time_s)
+            vessels = track.vessels_at(time_s)
             with window.lock():
-                put(scene, data, hulls, track.items_at(time_s))
+                put(scene, data, vessels, track.items_at(time_s))
                 data.time = time_s
-                window.cam.lookat[:2] += (hulls - before).mean(axis=0)[:2]  # goes with the fleet
-            before = hulls
+                window.cam.lookat[:2] += (vessels - before).mean(axis=0)[:2]  # goes with the fleet
+            before = vessels
             window.sync()
             time.sleep(_FRAME_S)
 
 
-def scene_of(replay: Recording) -> Scene:
-    """The physical scene of a replay, with looks."""
-    vessels, labels = vessels_of(replay)
+def scene_of(recording: Recording) -> Scene:
+    """The physical scene of a recording, with looks."""
     return build_scene(
-        vessels,
-        navigable=replay.navigable,
-        pitch_m=replay.pitch_m,
-        items=len(replay.item_class),
-        names=labels,
-        looks=np.maximum(replay.item_class, 0).tolist(),
+        vessels_of(recording),
+        navigable=recording.navigable,
+        pitch_m=recording.pitch_m,
+        items=len(recording.item_class),
+        names=recording.labels,
+        looks=np.maximum(recording.item_class, 0).tolist(),
     )
 
 
-def put(scene: Scene, data: Any, hulls: Floats, items: Floats) -> None:
-    """Put hulls (agent, 3) and items (item, 3: x, y, there or not) in their places; no forces."""
+def put(scene: Scene, data: Any, vessels: Floats, items: Floats) -> None:
+    """Put vessels (agent, 3) and items (item, 3: x, y, there or not) in their places; no forces."""
     there = items[:, 2:] > 0.0
-    data.qpos[: hulls.size] = hulls.reshape(-1)
-    data.qpos[hulls.size :] = np.where(there, items[:, :2], scene.parking).reshape(-1)
+    data.qpos[: vessels.size] = vessels.reshape(-1)
+    data.qpos[vessels.size :] = np.where(there, items[:, :2], scene.parking).reshape(-1)
     mujoco.mj_kinematics(scene.model, data)
     mujoco.mj_camlight(scene.model, data)
 
 
 @contextmanager
-def _window(model: mujoco.MjModel, data: Any, hulls: Floats) -> Iterator[Any]:
+def _window(model: mujoco.MjModel, data: Any, vessels: Floats) -> Iterator[Any]:
     """MuJoCo's viewer over the fleet."""
     from mujoco import viewer
 
@@ -148,7 +147,7 @@ def _window(model: mujoco.MjModel, data: Any, hulls: Floats) -> Iterator[Any]:
         reason = " ".join(str(error).split())
         raise UserError(f"view: the viewer does not open ({reason}); see DISPLAY") from error
     try:
-        window.cam.lookat[:] = (*hulls[:, :2].mean(axis=0), 0.0)
+        window.cam.lookat[:] = (*vessels[:, :2].mean(axis=0), 0.0)
         window.cam.distance, window.cam.elevation, window.cam.azimuth = 40.0, -35.0, 90.0
         yield window
     finally:

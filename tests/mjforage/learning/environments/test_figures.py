@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 import mjforage
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.navigation import OFFSETS
-from mjforage.learning.environments.episode_figure import LONG_SIDE
+from mjforage.learning.environments.episode_figure import SIZE
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.recording import record
 from mjforage.scenario.scenario_file import load_scenario
-from mjforage.view.render import TopView
-from mjforage.view.render.background import painted_background
+from mjforage.view.render import chart, map_film
 from mjforage.view.render.opengl import Canvas
 
 SHORT = ("horizon=14",)
 BY_STEP = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
+BY_FRAME = ("track_pose", "track_items", "track_present", "track_wind")
 THREE_D: dict[str, Any] = {
     "world": "physics",
     "render_mode": "rgb_array",
@@ -51,8 +51,7 @@ def picture_of(env: gymnasium.Env[Any, Any]) -> NDArray[np.uint8]:
 def until(replay: Recording, step: int) -> Recording:
     """The replay as if it had ended; discoveries later on are not known yet."""
     found = replay.t_discovered
-    assert found is not None
-    cut = {name: getattr(replay, name)[: step + 1] for name in BY_STEP}
+    cut = {name: getattr(replay, name)[: step + 1] for name in (*BY_STEP, *BY_FRAME)}
     return replace(replay, **cut, t_discovered=np.where(found > step, np.int16(-1), found))
 
 
@@ -60,7 +59,7 @@ def test_a_picture_is_that_of_the_film_pixel_by_pixel(played: Recording) -> None
     env = gymnasium.make("mjforage/Foraging-v0", set=SHORT, render_mode="rgb_array")
     env.reset(seed=5)
     for step in range(len(played.agent_rc)):
-        drawn = TopView(until(played, step), LONG_SIDE).frame(float(step))
+        drawn = map_film([until(played, step)], SIZE).frame(float(step))
         assert np.array_equal(picture_of(env), drawn), step
         if step + 1 < len(played.agent_rc):
             env.step(moves_at(played, step))
@@ -71,13 +70,13 @@ def test_the_background_is_painted_once_however_many_pictures() -> None:
     many = gymnasium.make_vec(
         "mjforage/Foraging-v0", num_envs=3, set=SHORT, render_mode="rgb_array"
     )
-    painted_background.cache_clear()
+    chart._ground.cache_clear()
     for one in (env, many):
         one.reset(seed=1)
         for _ in range(20):
             one.render()
             one.step(one.action_space.sample())
-    assert painted_background.cache_info().misses == 1
+    assert chart._ground.cache_info().misses == 1
 
 
 def test_what_a_picture_gathers_does_not_grow_with_the_episode() -> None:

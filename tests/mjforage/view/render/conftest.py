@@ -1,29 +1,22 @@
-"""Replays made up for drawing: wandering vessels, drifting items, honest beliefs and views."""
+"""Recordings made up for drawing: wandering vessels, drifting items, true beliefs and views."""
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from mjforage.runs.episode_recording import Recording
+from mjforage.view.render import film_frame, panel
+from mjforage.view.render.track import Track
 
 PITCH_M = 4.0
 RADII = (4.0, 1.0)  # scouts, foragers [node]
 
 
-def comb_map(rows: int, columns: int) -> NDArray[np.bool_]:
-    """Fingers and basins with a land border and an entrance channel."""
-    water = np.zeros((rows, columns), np.bool_)
-    water[1:-1, 1:-1] = True
-    for number, top in enumerate(range(4, rows - 5, 7)):
-        start = 2 + 3 * (number % 3)
-        water[top : top + 2 + number % 2, start : columns - 6 - 2 * (number % 2)] = False
-    return water
-
-
-def make_replay(
+def make_recording(
     navigable: NDArray[np.bool_],
     *,
     steps: int = 30,
@@ -97,9 +90,9 @@ def make_replay(
     )
 
 
-def physics_like(replay: Recording, frames_per_step: int = 20) -> Recording:
+def physics_like(recording: Recording, frames_per_step: int = 20) -> Recording:
     """The same episode with a finer track, as the physics world has it."""
-    last = len(replay.track_pose) - 1
+    last = len(recording.track_pose) - 1
     place = np.arange(last * frames_per_step + 1) / frames_per_step
     before = np.minimum(place.astype(int), last - 1)
     part = (place - before)[:, None, None]
@@ -109,12 +102,12 @@ def physics_like(replay: Recording, frames_per_step: int = 20) -> Recording:
         return np.asarray(mixed, np.float32)
 
     return replace(
-        replay,
+        recording,
         world="physics",
-        frame_s=replay.period_s / frames_per_step,
-        track_pose=between(replay.track_pose),
-        track_items=between(replay.track_items),
-        track_present=replay.track_present[np.floor(place).astype(int)],
+        frame_s=recording.period_s / frames_per_step,
+        track_pose=between(recording.track_pose),
+        track_items=between(recording.track_items),
+        track_present=recording.track_present[np.floor(place).astype(int)],
         track_wind=np.zeros((len(place), 2), np.float32),
     )
 
@@ -124,7 +117,7 @@ def _metres(rc: NDArray[np.number], rows: int) -> NDArray[np.float64]:
     return np.stack((x, y), axis=-1).astype(np.float64)
 
 
-def _yaws(places: NDArray[np.int64]) -> NDArray[np.float64]:
+def _yaws(places: NDArray[np.number]) -> NDArray[np.float64]:
     """Along the last move; at first east."""
     yaw = np.zeros(places.shape[:2])
     for step, move in enumerate(np.diff(places, axis=0), start=1):
@@ -164,10 +157,17 @@ def _wander(
     return np.array(track)
 
 
+def track_of_poses(pose: NDArray[np.float64]) -> Track:
+    """Poses (F, agent, 3) every half second, no item, still air."""
+    frames = len(pose)
+    items, wind = np.zeros((frames, 0, 2), np.float32), np.zeros((frames, 2), np.float32)
+    return Track(0.5, pose, items, np.zeros(0), 1.0, wind)
+
+
 @pytest.fixture(scope="session")
 def build() -> Callable[..., Recording]:
-    """The builder `make_replay`."""
-    return make_replay
+    """The builder `make_recording`."""
+    return make_recording
 
 
 @pytest.fixture(scope="session")
@@ -176,7 +176,23 @@ def refine() -> Callable[..., Recording]:
     return physics_like
 
 
-@pytest.fixture(scope="session")
-def comb() -> NDArray[np.bool_]:
-    """A map of the comb port's shape."""
-    return comb_map(62, 46)
+@pytest.fixture
+def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The words that a panel writes, instead of their letters."""
+    words: list[str] = []
+    for module in (panel, film_frame):
+        monkeypatch.setattr(module, "write", lambda image, text, *at, **how: words.append(text))
+    return words
+
+
+def placed(
+    recording: Recording, agents: NDArray[np.floating], items: NDArray[np.floating] | None = None
+) -> Recording:
+    """The same episode with vessels, and items, on other ways (step, ..., 2) of nodes."""
+    rows, pose = len(recording.navigable), np.zeros((*agents.shape[:2], 3), np.float32)
+    pose[..., :2], pose[..., 2] = _metres(agents, rows), _yaws(agents)
+    changed: dict[str, Any] = {"agent_rc": agents.astype(np.float32), "track_pose": pose}
+    if items is not None:
+        changed["item_rc"] = items.astype(np.float32)
+        changed["track_items"] = _metres(items, rows).astype(np.float32)
+    return replace(recording, **changed)

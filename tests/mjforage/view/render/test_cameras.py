@@ -16,7 +16,7 @@ from mjforage.view.render.cameras import (
     magnified,
 )
 from mjforage.view.render.track import Track
-from tests.mjforage.view.render.tracks import track_of_hulls
+from tests.mjforage.view.render.conftest import track_of_poses
 
 Floats = NDArray[np.float64]
 ASPECT = 16 / 9
@@ -27,7 +27,7 @@ def straight_track(yaw: float, speed: float = 1.0) -> Track:
     """A hull on a straight line through the origin at t = 50 s."""
     t = np.arange(0.0, 100.5, 0.5) - 50.0
     pose = np.column_stack((speed * np.cos(yaw) * t, speed * np.sin(yaw) * t, np.full(len(t), yaw)))
-    return track_of_hulls(pose[:, None])
+    return track_of_poses(pose[:, None])
 
 
 def about(track: Track, speed: float = 1.0) -> Circumstances:
@@ -92,7 +92,7 @@ def test_chase_stands_behind_the_hull_and_has_it_in_the_middle(yaw: float) -> No
 def test_chase_turns_smoothly_where_the_hull_turns_at_once() -> None:
     t = np.arange(0.0, 60.5, 0.5)
     pose = np.column_stack((t, 0 * t, np.where(t < 30.0, 0.0, np.pi / 2)))[:, None]
-    track = track_of_hulls(pose)
+    track = track_of_poses(pose)
     where = about(track, speed=10.0)
     ways = [cameras.chase(where, s).forward[:2] for s in np.arange(20.0, 40.0, 1.0 / 3.0)]
     headings = np.unwrap([np.arctan2(way[1], way[0]) for way in ways])

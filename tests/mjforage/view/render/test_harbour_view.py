@@ -15,7 +15,7 @@ from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_recording import Recording
-from mjforage.view.render import palette, render_replay
+from mjforage.view.render import palette, render_recording
 from mjforage.view.render.cameras import CAMERAS
 from mjforage.view.render.harbour_view import HarbourView, afloat, floating
 
@@ -25,7 +25,7 @@ SIZE, LARGE = (160, 120), (400, 300)
 
 
 @pytest.fixture(scope="module")
-def replay(build: Callable[..., Recording]) -> Recording:
+def recording(build: Callable[..., Recording]) -> Recording:
     """A small harbour with a pier and an open edge."""
     water = np.ones((14, 18), np.bool_)
     water[0], water[:, 0], water[6:8, 5:14] = False, False, False
@@ -33,15 +33,15 @@ def replay(build: Callable[..., Recording]) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def physics(replay: Recording, refine: Callable[..., Recording]) -> Recording:
-    return refine(replay)
+def physics(recording: Recording, refine: Callable[..., Recording]) -> Recording:
+    return refine(recording)
 
 
-def frame(
-    replay: Recording, camera: str, time: float, size: tuple[int, int] = SIZE, **options: Any
+def picture(
+    recording: Recording, camera: str, time: float, size: tuple[int, int] = SIZE, **options: Any
 ) -> Image:
-    with HarbourView(replay, camera, *size, **options) as view:
-        return view.frame(time)
+    with HarbourView(recording, camera, *size, **options) as view:
+        return view.picture(time)
 
 
 def close_to(image: Image, colour: palette.Colour, tolerance: float) -> int:
@@ -51,49 +51,51 @@ def close_to(image: Image, colour: palette.Colour, tolerance: float) -> int:
 
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_frames_of_both_worlds_have_the_size_asked_for_and_repeat_to_the_bit(
-    replay: Recording, physics: Recording, camera: str
+    recording: Recording, physics: Recording, camera: str
 ) -> None:
-    for episode in (replay, physics):
+    for episode in (recording, physics):
         with HarbourView(episode, camera, *SIZE) as view:
-            first = view.frame(2.3)
-            later = view.frame(4.0)
-            np.testing.assert_array_equal(view.frame(2.3), first)
+            first = view.picture(2.3)
+            later = view.picture(4.0)
+            np.testing.assert_array_equal(view.picture(2.3), first)
         assert first.shape == (SIZE[1], SIZE[0], 3)
         assert first.dtype == np.uint8
         assert first.std() > 15.0
         assert (first != later).mean() > 0.05
-        np.testing.assert_array_equal(frame(episode, camera, 2.3), first)
+        np.testing.assert_array_equal(picture(episode, camera, 2.3), first)
 
 
-def test_hulls_are_drawn_in_their_teams_colours_and_behind_them_nothing(replay: Recording) -> None:
+def test_hulls_are_drawn_in_their_teams_colours_and_behind_them_nothing(
+    recording: Recording,
+) -> None:
     colours = palette.agent_colours([False, True])
-    image = frame(replay, "top", 0.0, LARGE)
+    image = picture(recording, "top", 0.0, LARGE)
     assert all(close_to(image, colour, 30.0) > 2 for colour in colours)
-    far = replay.track_pose.copy()
+    far = recording.track_pose.copy()
     far[..., :2] += 5000.0
-    image = frame(replace(replay, track_pose=far), "top", 0.0, LARGE)
+    image = picture(replace(recording, track_pose=far), "top", 0.0, LARGE)
     assert all(close_to(image, colour, 30.0) == 0 for colour in colours)
 
 
-def test_taken_items_are_gone(replay: Recording) -> None:
-    none = np.zeros_like(replay.track_present)
+def test_taken_items_are_gone(recording: Recording) -> None:
+    none = np.zeros_like(recording.track_present)
     still = replace(
-        replay, item_present=none, item_class=np.full(8, 4, np.int16), track_present=none
+        recording, item_present=none, item_class=np.full(8, 4, np.int16), track_present=none
     )
     left = replace(still, item_present=~none, track_present=~none)
     sun = (240.0, 205.0, 60.0)
-    shown, taken = (close_to(frame(one, "top", 5.0, LARGE), sun, 45.0) for one in (left, still))
+    shown, taken = (close_to(picture(one, "top", 5.0, LARGE), sun, 45.0) for one in (left, still))
     assert shown > taken
 
 
-def test_the_mast_of_another_vessel_shows_another_view(replay: Recording) -> None:
-    views = [frame(replay, "scout", 1.0, follow=name) for name in ("scouts_0", "scouts_1")]
+def test_the_mast_of_another_vessel_shows_another_view(recording: Recording) -> None:
+    views = [picture(recording, "scout", 1.0, follow=name) for name in ("scouts_0", "scouts_1")]
     assert np.abs(views[0].astype(int) - views[1]).mean() > 3.0
-    np.testing.assert_array_equal(views[0], frame(replay, "scout", 1.0))
+    np.testing.assert_array_equal(views[0], picture(recording, "scout", 1.0))
 
 
-def test_more_detail_changes_no_size_and_little_else(replay: Recording) -> None:
-    plain, fine = (frame(replay, "overview", 1.0, detail=detail) for detail in (1, 2))
+def test_more_detail_changes_no_size_and_little_else(recording: Recording) -> None:
+    plain, fine = (picture(recording, "overview", 1.0, detail=detail) for detail in (1, 2))
     assert plain.shape == fine.shape
     assert np.abs(plain.astype(int) - fine).mean() < 8.0
 
@@ -101,7 +103,6 @@ def test_more_detail_changes_no_size_and_little_else(replay: Recording) -> None:
 @pytest.mark.parametrize(
     ("camera", "follow", "message"),
     [
-        ("front", None, "camera front: unknown; choose overview, chase, top, scout"),
         (
             "chase",
             "otter_0",
@@ -118,9 +119,9 @@ def test_bad_choices_are_named(
     HarbourView(physics, "top", *SIZE).close()
 
 
-def test_times_outside_the_episode_are_refused(replay: Recording) -> None:
-    with HarbourView(replay, "top", *SIZE) as view, pytest.raises(ValueError, match="outside"):
-        view.frame(6.1)
+def test_times_outside_the_episode_are_refused(recording: Recording) -> None:
+    with HarbourView(recording, "top", *SIZE) as view, pytest.raises(ValueError, match="outside"):
+        view.picture(6.1)
 
 
 @pytest.fixture
@@ -139,7 +140,7 @@ def test_drawing_calls_no_physics_and_changes_no_simulation(
         simulation.commands[:] = 20.0
         simulation.step(20)
         if draw:
-            frame(physics, "chase", 1.0)
+            picture(physics, "chase", 1.0)
         simulation.step(20)
         return np.array(simulation.vessel_pose[0, 0], np.float64)
 
@@ -147,7 +148,7 @@ def test_drawing_calls_no_physics_and_changes_no_simulation(
     with HarbourView(physics, "chase", *SIZE) as view:
         mujoco.set_mjcb_passive(None)
         mujoco.set_mjcb_passive(lambda model, data: alarm.append("called"))
-        view.frame(1.0)
+        view.picture(1.0)
         mujoco.set_mjcb_passive(None)
     assert alarm == []
 
@@ -158,7 +159,7 @@ def test_films_series_and_pictures_are_written(
     seen: list[tuple[int, int]] = []
     options: dict[str, Any] = {"size": (128, 96), "start_s": 10.0, "fps": 2.0}
     film = tmp_path / "film.mp4"
-    count = render_replay(
+    count = render_recording(
         physics,
         film,
         **options,
@@ -172,9 +173,9 @@ def test_films_series_and_pictures_are_written(
     assert len(frames) == count == 3
     assert frames[0].shape == (96, 128, 3)
     gif, series, still = tmp_path / "a.gif", tmp_path / "b-%d.png", tmp_path / "c.png"
-    assert render_replay(physics, gif, camera="chase", **options, duration_s=10.0) == 3
-    assert render_replay(physics, series, camera="scout", **options, duration_s=10.0) == 3
-    assert render_replay(physics, still, **options) == 1
+    assert render_recording(physics, gif, camera="chase", **options, duration_s=10.0) == 3
+    assert render_recording(physics, series, camera="scout", **options, duration_s=10.0) == 3
+    assert render_recording(physics, still, **options) == 1
     with PilImage.open(still) as picture:
         assert (picture.size, picture.mode) == ((128, 96), "RGB")
     assert len(list(tmp_path.glob("b-*.png"))) == 3

@@ -1,10 +1,6 @@
-import itertools
-
 import numpy as np
 import pytest
 
-from mjforage.view.render.frame_layout import plan_layout
-from mjforage.view.render.legend import round_length
 from mjforage.view.render.raster import (
     paint_box,
     paint_discs,
@@ -67,19 +63,3 @@ def test_text_is_shortened_to_its_room() -> None:
     short = fit(name, 20, 120.0)
     assert short.endswith("…")
     assert 0 < width(short, 20) <= 120
-
-
-@pytest.mark.parametrize(("most", "length"), [(41.0, 20.0), (50.0, 50.0), (9.9, 5.0), (0.3, 0.2)])
-def test_scale_bars_have_round_lengths(most: float, length: float) -> None:
-    assert round_length(most) == pytest.approx(length)
-
-
-def test_map_and_panel_lie_inside_the_frame_and_apart() -> None:
-    for rows, columns in ((62, 46), (46, 62), (5, 5), (1, 400), (400, 1), (1000, 1000)):
-        for teams, linked in itertools.product((1, 2, 6), (False, True)):
-            plan = plan_layout(rows, columns, teams, linked=linked)
-            right, bottom = plan.map_left + plan.map_width, plan.map_top + plan.map_height
-            assert 0 < plan.map_left < right < plan.width
-            assert 0 < plan.map_top < bottom < plan.height
-            assert plan.panel_left >= right if plan.stacked else plan.panel_top >= bottom
-            assert plan.panel_top + plan.panel_height <= plan.height

@@ -3,21 +3,23 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.held import Held
-from mjforage.view.render import TopView, palette, render_replay
-from mjforage.view.render.frame_split import Box, split_frame
-from mjforage.view.render.harbour_view import HarbourView
-from mjforage.view.render.inset import Inset
+from mjforage.view.render import palette, render_recording
+from mjforage.view.render.chart import Chart
+from mjforage.view.render.layout import Box
+from mjforage.view.render.panel import paint_signs
 from mjforage.view.render.seen_by import age_of, last_heard, seen_by, shown_name
-from mjforage.view.render.side_panel import paint_signs
-from mjforage.view.render.timeline import timeline_of
+from mjforage.view.render.timeline import Timeline
+from tests.mjforage.view.render.conftest import placed
 
 Build = Callable[..., Recording]
 Image = NDArray[np.uint8]
@@ -37,10 +39,10 @@ def apart(build: Build) -> Recording:
     step 1: two items, of which one lies there; the other, at (10, 10), is known to the scout only.
     The last contact, in step 1, lost three looks from the scout and none to it.
     """
-    replay = build(np.ones((13, 13), np.bool_), steps=STEPS, items=2, agents=(1, 1))
+    recording = build(np.ones((13, 13), np.bool_), steps=STEPS, items=2, agents=(1, 1))
     way = np.tile(np.array([[2.0, 2.0], [10.0, 2.0]], np.float32), (STEPS + 1, 1, 1))
     way[:, 0, 1] += 2.0 * np.arange(STEPS + 1)
-    nothing, own = np.zeros_like(replay.in_view), 10 * 13 + 2
+    nothing, own = np.zeros_like(recording.in_view), 10 * 13 + 2
     view = nothing.copy()
     view[:, 10, 2], view[:, 5:8, 9] = 2, 1
     heard = np.tile(np.arange(STEPS + 1, dtype=np.int16)[:, None, None], (1, 2, 2))
@@ -60,21 +62,24 @@ def apart(build: Build) -> Recording:
         linked=linked,
         lost=pairs,
     )
+    items = np.tile(np.array([[5.0, 5.0], [10.0, 10.0]]), (STEPS + 1, 1, 1))
     return replace(
-        replay,
-        agent_rc=way,
-        item_rc=np.tile(np.array([[5.0, 5.0], [10.0, 10.0]], np.float32), (STEPS + 1, 1, 1)),
+        placed(recording, way, items),
         item_present=np.ones((STEPS + 1, 2), np.bool_),
         belief=nothing.astype(np.int16),
-        idleness=np.zeros_like(replay.idleness),
+        idleness=np.zeros_like(recording.idleness),
         in_view=view,
         t_discovered=in_turn([1, 1]),
         held=held,
     )
 
 
-def around(image: Image, view: TopView, rc: tuple[float, float], reach: int) -> Image:
-    x, y = (int(value) for value in view.place(np.array(rc)))
+def drawn(recording: Recording) -> Chart:
+    return Chart(recording, (455.0, 455.0))
+
+
+def around(image: Image, chart: Chart, rc: tuple[float, float], reach: int) -> Image:
+    ((x, y),) = chart.place(np.array([[4.0 * rc[1], 4.0 * (12 - rc[0])]])).astype(int)
     return image[y - reach : y + reach + 1, x - reach : x + reach + 1]
 
 
@@ -113,7 +118,7 @@ def test_land_is_not_idle(apart: Recording) -> None:
 
 def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Recording) -> None:
     never = np.iinfo(np.int64).max
-    alone, fleet = timeline_of(seen_by(apart, "foragers_0")), timeline_of(apart)
+    alone, fleet = Timeline.of(seen_by(apart, "foragers_0")), Timeline.of(apart)
     assert alone.known.tolist() == [3, never] and fleet.known.tolist() == [1, 1]
     assert alone.discovered.tolist() == [1, 1]
     np.testing.assert_array_equal(alone.pta_d, fleet.pta_d)
@@ -135,7 +140,7 @@ def test_unknown_vessels_are_named(
     apart: Recording, tmp_path: Path, name: str, message: str
 ) -> None:
     with pytest.raises(UserError, match=message):
-        render_replay(apart, tmp_path / "a.png", seen_by=name)
+        render_recording(apart, tmp_path / "a.png", seen_by=name)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -148,8 +153,8 @@ def test_without_a_link_nobody_sees_alone(apart: Recording) -> None:
 
 def test_a_vessel_is_faded_where_it_was_last_heard_of(apart: Recording) -> None:
     """At step 4 the scout is at (2, 10); the forager heard of it at (2, 4)."""
-    views = {name: TopView(seen_by(apart, name), 640) for name in ("all", "foragers_0")}
-    frames = {name: view.frame(4.0) for name, view in views.items()}
+    views = {name: drawn(seen_by(apart, name)) for name in ("all", "foragers_0")}
+    frames = {name: view.picture(4.0) for name, view in views.items()}
     for name, truly in (("all", True), ("foragers_0", False)):
         hull = around(frames[name], views[name], (2, 10), 9)
         assert (share(hull, SCOUT) > 0.2) == truly, "full, or an outline only"
@@ -162,9 +167,9 @@ def test_a_vessel_is_faded_where_it_was_last_heard_of(apart: Recording) -> None:
 
 
 def test_items_that_it_does_not_know_are_dim(apart: Recording) -> None:
-    views = [TopView(seen_by(apart, name), 640) for name in ("all", "foragers_0")]
+    views = [drawn(seen_by(apart, name)) for name in ("all", "foragers_0")]
     first, second = (
-        [around(v.frame(4.0), v, rc, 2).mean() for v in views] for rc in ((5, 5), (10, 10))
+        [around(v.picture(4.0), v, rc, 2).mean() for v in views] for rc in ((5, 5), (10, 10))
     )
     assert first[1] > second[1] + 10.0, "in the forager's own picture"
     assert second[0] > second[1] + 10.0, "and by what all know"
@@ -176,9 +181,9 @@ def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Rec
     kept = replace(apart, held=replace(apart.held, lost=nothing))
     none = replace(apart, held=replace(apart.held, lost=nothing, linked=nothing > 0))
     reds, changed = [], []
-    for replay in (apart, kept, none):
-        view = TopView(replay, 640)
-        frame = view.frame(1.0)
+    for recording in (apart, kept, none):
+        view = drawn(recording)
+        frame = view.picture(1.0)
         across = around(frame, view, (6, 3), 20)
         reds.append(share(across, palette.LOST, 40.0))
         changed.append(across.astype(float))
@@ -199,57 +204,15 @@ def test_the_panel_has_a_sign_for_contacts_and_one_for_losses(apart: Recording) 
     assert away[1] < 30.0 < away[0], "in contact, then lost, in red"
 
 
-def test_the_inset_shows_the_same(apart: Recording) -> None:
-    """Scale 10: a node's middle is at 10 x (column + 1.5), as one cell around the water shows."""
-    images = {}
-    for name in ("all", "foragers_0"):
-        inset = Inset(seen_by(apart, name), [SCOUT, FORAGER], (130.0, 130.0))
-        images[name] = np.zeros((inset.height, inset.width, 3), np.uint8)
-        inset.paint(images[name], 0, 0, 4.0, on_chart(apart, 4))
-    scale = images["all"].shape[0] / 13.0
-
-    def near(name: str, row: float, column: float) -> NDArray[np.float64]:
-        y, x = int((row + 0.5) * scale), int((column + 0.5) * scale)
-        return images[name][y - 3 : y + 4, x - 3 : x + 4].reshape(-1, 3).astype(float)
-
-    def off(pixels: NDArray[np.float64], colour: palette.Colour) -> float:
-        return float(np.abs(pixels - colour).max(axis=1).min())
-
-    assert off(near("all", 2, 10), SCOUT) < 12.0
-    assert off(near("foragers_0", 2, 10), SCOUT) > 20.0, "an outline is empty"
-    assert 20.0 < off(near("foragers_0", 2, 4), SCOUT) < 150.0, "faded where it was heard last"
-    assert np.abs(near("foragers_0", 2, 4) - near("all", 2, 4)).max() > 40.0
-    believed = palette.belief_shades(np.array([2]), 4)[0]
-    assert (
-        off(near("foragers_0", 5, 5), tuple(believed))
-        < 3.0
-        < off(near("all", 5, 5), tuple(believed))
-    ), "what it believes"
-
-
-def on_chart(replay: Recording, step: int) -> NDArray[np.float64]:
-    """Hulls as a chart takes them, all eastward."""
-    places = replay.agent_rc[step].astype(np.float64)
-    return np.column_stack((places, np.zeros(len(places))))
-
-
-def test_the_inset_draws_links(apart: Recording) -> None:
-    inset = Inset(apart, [SCOUT, FORAGER], (130.0, 130.0))
-    image = np.zeros((inset.height, inset.width, 3), np.uint8)
-    reds = []
-    for time in (1.0, 2.0):
-        inset.paint(image, 0, 0, time, on_chart(apart, int(time)))
-        reds.append(share(image, palette.LOST, 40.0))
-    assert reds[0] > 0.001 and reds[1] == 0.0, "in the step of the loss"
-
-
-def test_a_film_through_mujoco_shows_it_too(opengl: str, apart: Recording, refine: Build) -> None:
+def test_a_film_through_mujoco_shows_it_too(
+    opengl: str, apart: Recording, refine: Build, tmp_path: Path
+) -> None:
     assert opengl
     frames = []
     for name in ("all", "foragers_0"):
-        with HarbourView(seen_by(refine(apart), name), "overview", 960, 540) as view:
-            frames.append(view.frame(4.0).astype(float))
-    left = int(split_frame(960, 540, 1.0).view.left)
+        options: dict[str, Any] = {"seen_by": name, "size": (960, 540), "start_s": 40.0}
+        assert render_recording(refine(apart), tmp_path / "a.png", **options) == 1
+        frames.append(np.asarray(PilImage.open(tmp_path / "a.png")).astype(float))
     differ = np.abs(frames[0] - frames[1]).max(axis=2) > 30.0
-    assert differ[:, :left].mean() > 0.1, "the chart"
-    assert 0.0 < differ[:, left:].mean() < 0.05, "beside it only items that it does not know"
+    assert differ[:, :214].mean() > 0.1, "the chart"
+    assert 0.0 < differ[:, 214:].mean() < 0.05, "beside it only items that it does not know"

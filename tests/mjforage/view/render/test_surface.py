@@ -3,15 +3,15 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.view.render.cameras import Area, View, looking
-from mjforage.view.render.harbour import PaddedLand
-from mjforage.view.render.sheet import Sheet, blank_sheet
+from mjforage.view.render.sheet import Sheet
 from mjforage.view.render.smoothing import smooth_edges
-from mjforage.view.render.water import SHORE_M, Shore, Water, shore_of
+from mjforage.view.render.surface import Drawn
+from mjforage.view.render.water import SHORE_M, Water, shore_of
 
 Image = NDArray[np.uint8]
 Field = NDArray[np.float32]
 SIZE = (60, 80)
-WATER = Water(shore_of(PaddedLand.of(np.ones((6, 6), np.bool_), 4.0)))
+WATER = Water(shore_of(np.ones((6, 6), np.bool_), 4.0))
 AHEAD = looking(np.array([10.0, 0.0, 3.0]), np.array([10.0, 20.0, 1.0]), np.radians(50.0))
 
 
@@ -25,9 +25,9 @@ def paint(
     """An empty world, or one with something in it."""
     image = np.full((*SIZE, 3), 40, np.uint8) if image is None else image
     ahead = np.full(SIZE, np.inf, np.float32) if ahead is None else ahead
-    sheet = sheet or blank_sheet(Area(0.0, 0.0, 20.0, 20.0), 0.2)
-    nothing = np.zeros((1, 1, 3), np.uint8), np.full((1, 1), np.inf, np.float32)
-    WATER.paint(image, ahead, *nothing, sheet, view, time_s)
+    sheet = sheet or Sheet.blank(Area(0.0, 0.0, 20.0, 20.0), 0.2)
+    nothing = Drawn(np.zeros((1, 1, 3), np.uint8), np.full((1, 1), np.inf, np.float32))
+    WATER.paint(Drawn(image, ahead), nothing, sheet, view, time_s)
     return image
 
 
@@ -61,7 +61,7 @@ def test_the_surface_moves_with_the_time_alone() -> None:
 
 def test_foam_and_paint_lie_where_they_were_laid() -> None:
     above = looking(np.array([10.0, 9.99, 12.0]), np.array([10.0, 10.0, 0.0]), np.radians(60.0))
-    sheet = blank_sheet(Area(0.0, 0.0, 20.0, 20.0), 0.1)
+    sheet = Sheet.blank(Area(0.0, 0.0, 20.0, 20.0), 0.1)
     sheet.foam(np.array([[10.0, 8.0], [10.0, 12.0]]), np.full(2, 3.0), np.ones(2))
     line = np.array([[6.0, 8.0], [6.0, 12.0]])
     sheet.stroke(line, np.full(2, 2.0), np.ones(2), (255.0, 0.0, 0.0))
@@ -82,11 +82,11 @@ def test_waves_finer_than_a_pixel_do_not_flicker() -> None:
 def test_water_near_land_knows_how_near() -> None:
     water = np.ones((9, 9), np.bool_)
     water[4, 4] = False
-    shore: Shore = shore_of(PaddedLand.of(water, 4.0))
+    shore = shore_of(water, 4.0)
     column = int((16.0 + 2.0 + 3.0 - shore.west) / shore.texel_m)
     row = int((16.0 - shore.south) / shore.texel_m)
-    assert shore.distance[row, column] == pytest.approx(3.0, abs=shore.texel_m)
-    assert shore.distance.max() == SHORE_M
+    assert shore.values[row, column] == pytest.approx(3.0, abs=shore.texel_m)
+    assert shore.values.max() == SHORE_M
 
 
 def test_smoothing_softens_stairs_and_leaves_the_rest() -> None:

@@ -9,7 +9,7 @@ from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.render.track import Track
-from mjforage.view.render.viewer import put, scene_of, start_of, view_replay, view_scenario
+from mjforage.view.render.viewer import put, scene_of, start_of, view_recording, view_scenario
 
 
 @pytest.fixture
@@ -21,24 +21,24 @@ def dark(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def replay(build: Callable[..., Recording]) -> Recording:
+def recording(build: Callable[..., Recording]) -> Recording:
     return build(np.ones((8, 8), np.bool_), steps=4, items=6)
 
 
 @pytest.mark.usefixtures("dark")
-def test_without_a_display_the_way_out_is_named(replay: Recording) -> None:
+def test_without_a_display_the_way_out_is_named(recording: Recording) -> None:
     with pytest.raises(UserError, match=r"no display here.*mjforage render writes"):
-        view_replay(replay, 10.0)
+        view_recording(recording, 10.0)
     with pytest.raises(UserError, match="no display here"):
         view_scenario(Setup.of(load_scenario("comb-port")), 0, 0)
     with pytest.raises(UserError, match="speed -1: must be over 0"):
-        view_replay(replay, -1.0)
+        view_recording(recording, -1.0)
 
 
-def test_bodies_are_put_where_the_track_says(replay: Recording) -> None:
-    scene, track = scene_of(replay), Track.of(replay)
+def test_bodies_are_put_where_the_track_says(recording: Recording) -> None:
+    scene, track = scene_of(recording), Track.of(recording)
     data = mujoco.MjData(scene.model)
-    hulls, items = track.hulls_at(17.0), track.items_at(17.0)
+    hulls, items = track.vessels_at(17.0), track.items_at(17.0)
     items[2, 2] = 0.0
     put(scene, data, hulls, items)
     for pose, name in zip(hulls, scene.names, strict=True):
