@@ -1,4 +1,4 @@
-"""Does every single fault fail its check? `python -m tests.mutants [NAME ...]`.
+"""Make single faults; their checks have to fail: `python -m tests.mutants [NAME ...]`.
 
 Faults stand in the TOML files of this folder. Each is made in a copy of the repository in a
 temporary folder, where its check is run, once it has passed there without a fault. Exit code 1 if
@@ -6,16 +6,29 @@ one survives.
 """
 
 import argparse
+import os
+import shutil
+import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from itertools import groupby, pairwise
 from pathlib import Path
 
-from tests.mutants.faults import Mutant, mutants
-from tests.mutants.running import Outcome, copied, is_plain, run_check, run_mutant
+from tests.mutants.faults import PACKAGE, ROOT, Mutant, mutants
 
+COPIED = (PACKAGE, "models", "tests", "docs", "examples")
+_PHYSICS = "tests/mjforage/physics"
+PLAIN = (
+    *(f"{_PHYSICS}/hydrodynamics/", f"{_PHYSICS}/dynamics/test_touch"),
+    *(f"{_PHYSICS}/dynamics/test_watch", f"{_PHYSICS}/dynamics/test_sensing"),
+    f"{_PHYSICS}/validation/test_checks.py::test_check[mouth]",
+)
+"""Beginnings of checks that take less time without the compiler than it takes, without MuJoCo."""
+PASSED, FAILED = 0, 1  # exit codes of a check; anything else: it could not be run
+LONGEST_S = 900.0
 _PAGE = """<!-- Written by `python -m tests.mutants --page docs/mutants.md`. -->
 # Mutation tests: single faults, and what notices them
 
@@ -32,81 +45,90 @@ _HEAD = """
 """
 
 
-def _say(line: str) -> None:
-    sys.stdout.write(f"{line}\n")
-    sys.stdout.flush()
-
-
-def _chosen(names: list[str]) -> list[Mutant]:
-    """Mutants by name, all by default; ends the process if there is none of a name."""
-    known = {mutant.name: mutant for mutant in mutants()}
-    if unknown := [name for name in names if name not in known]:
-        sys.exit(f"mutants: {', '.join(unknown)} unknown; --list names them")
-    return [known[name] for name in names or known]
-
-
-def _row(mutant: Mutant) -> str:
-    """A row of the table in Markdown."""
-    check = mutant.check.split("/")[-1].replace("::", " ")
-    return f"| `{mutant.name}` | {mutant.fault} | `{check}` |"
-
-
 def page(mutants: Iterable[Mutant]) -> str:
-    """The page of all mutants, room by room."""
+    """The page of all mutants, file by file."""
     parts = [_PAGE]
     for room, those in groupby(mutants, key=lambda mutant: mutant.room):
         parts.append(_HEAD.format(room=room.capitalize()))
-        parts += [f"{_row(mutant)}\n" for mutant in those]
+        for mutant in those:
+            check = mutant.check.split("/")[-1].replace("::", " ")
+            parts.append(f"| `{mutant.name}` | {mutant.fault} | `{check}` |\n")
     return "".join(parts)
 
 
-def _run_all(chosen: list[Mutant]) -> dict[Mutant, Outcome]:
-    """Run mutants one after the other; before a check's first, the check without a fault."""
-    outcomes, sound = dict[Mutant, Outcome](), dict[str, Outcome]()
+def run_check(check: str, copy: Path) -> tuple[int, str]:
+    """Exit code and last line of a check in the copy as it is."""
+    # Without the compiler numpy warns of the overflow that hashes are made of.
+    quiet = ("--no-header", "--tb=line", "-W", "ignore:overflow:RuntimeWarning")
+    plugins = ("-p", "no:xdist", "-p", "no:cacheprovider")
+    plain = {"NUMBA_DISABLE_JIT": "1"} if check.startswith(PLAIN) else {}
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-x", *plugins, *quiet, check],
+        cwd=copy,
+        env=os.environ | {"PYTHONPATH": str(copy)} | plain,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=LONGEST_S,
+    )
+    return done.returncode, (done.stdout.strip() or done.stderr.strip() or "?").splitlines()[-1]
+
+
+def run_mutant(mutant: Mutant, copy: Path) -> str:
+    """Spoil the copy, run the check and put the copy right again; what came of it."""
+    path, spoilt = mutant.spoilt(copy)
+    kept, time = path.read_text(encoding="utf-8"), path.stat().st_mtime_ns
+    path.write_text(spoilt, encoding="utf-8")
+    try:
+        code, said = run_check(mutant.check, copy)
+    finally:
+        path.write_text(kept, encoding="utf-8")
+        os.utime(path, ns=(time, time))
+    return f"{ {PASSED: 'SURVIVED', FAILED: 'caught'}.get(code, f'broke ({code})') }: {said}"
+
+
+def run_all(chosen: list[Mutant]) -> int:
+    """Run mutants in a copy of their own, and return how many were not caught."""
+    survived = 0
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
-        copies = {plain: copied(Path(folder), plain) for plain in (False, True)}
+        copy = Path(folder)
+        for name in COPIED:
+            shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copy2(ROOT / "pyproject.toml", copy)
+        sound = cache(lambda check: run_check(check, copy))
         for mutant in chosen:
-            copy = copies[is_plain(mutant.check)]
-            before = sound.get(mutant.check) or run_check(mutant, copy)
-            sound[mutant.check] = before
-            found = run_mutant(mutant, copy) if before.passed else before.without_fault()
-            outcomes[mutant] = found
-            _say(f"{found.verdict}: {mutant.name} ({mutant.fault}), {mutant.check}: {found.words}")
-    return outcomes
+            code, said = sound(mutant.check)
+            found = f"broke without a fault: {said}" if code else run_mutant(mutant, copy)
+            survived += not found.startswith("caught")
+            sys.stdout.write(f"{mutant.name} ({mutant.fault}), {mutant.check}: {found}\n")
+            sys.stdout.flush()
+    return survived
 
 
 def main() -> None:
     """Run the mutants that are named and say what each came to."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
     parser.add_argument("name", nargs="*", help="mutants to run, all by default")
-    parser.add_argument("--list", action="store_true", help="name them and run nothing")
     parser.add_argument("--page", type=Path, help="file to write the list to; nothing is run")
     parser.add_argument("--jobs", type=int, default=1, help="copies of the repository at work")
     parser.add_argument("--tenth", type=int, help="every tenth mutant, from this one of the first")
     words = parser.parse_args()
+    known = {mutant.name: mutant for mutant in mutants()}
     if words.page:
-        words.page.write_text(page(mutants()), encoding="utf-8")
+        words.page.write_text(page(known.values()), encoding="utf-8")
         return
-    chosen = _chosen(words.name)
+    if unknown := sorted(set(words.name) - set(known)):
+        sys.exit(f"mutants: {', '.join(unknown)} unknown; docs/mutants.md has their names")
+    chosen = [known[name] for name in words.name or known]
     if words.tenth is not None:
         chosen = chosen[words.tenth % 10 :: 10]
-    if words.list:
-        for mutant in chosen:
-            _say(f"{mutant.name}: {mutant.fault} ({mutant.check})")
-        return
-    by_check = sorted(chosen, key=lambda mutant: mutant.check)  # each of them once without a fault
+    chosen.sort(key=lambda mutant: mutant.check)  # each of them once without a fault
+    ends = [len(chosen) * k // words.jobs for k in range(words.jobs + 1)]
     with ThreadPoolExecutor(words.jobs) as pool:
-        runs = pool.map(_run_all, _shares(by_check, words.jobs))
-        found = {mutant: outcome for done in runs for mutant, outcome in done.items()}
-    survived = sum(outcome.verdict != "caught" for outcome in found.values())
-    _say(f"{len(chosen) - survived} of {len(chosen)} caught")
-    sys.exit(1 if survived else 0)
-
-
-def _shares(chosen: list[Mutant], jobs: int) -> list[list[Mutant]]:
-    """Mutants for each copy, one check's side by side."""
-    ends = [len(chosen) * k // jobs for k in range(jobs + 1)]
-    return [chosen[begin:end] for begin, end in pairwise(ends)]
+        shares = (chosen[begin:end] for begin, end in pairwise(ends))
+        survived = sum(pool.map(run_all, shares))
+    sys.stdout.write(f"{len(chosen) - survived} of {len(chosen)} caught\n")
+    sys.exit(bool(survived))
 
 
 if __name__ == "__main__":
