@@ -1,13 +1,8 @@
 """The picture in CONTRIBUTING.md is of today's layers, and what the page names is there."""
 
 import re
-from pathlib import Path
 
-import pytest
-
-from tests.layers import picture as drawing
-from tests.layers.__main__ import PAGE, renewed
-from tests.layers.picture import REPOSITORY, layers, picture
+from tests.layers.__main__ import PAGE, REPOSITORY, layers, renewed
 
 TEXT = PAGE.read_text("utf-8")
 
@@ -16,26 +11,17 @@ def test_the_picture_is_of_today() -> None:
     assert renewed(TEXT) == TEXT, "python -m tests.layers draws it again"
 
 
-def test_every_package_of_ours_stands_in_it_once() -> None:
+def test_every_package_of_ours_is_in_a_layer() -> None:
     named = [name for layer in layers() for name in layer]
     top = {path.parent for path in (REPOSITORY / "mjforage").glob("*/__init__.py")}
     planner = REPOSITORY / "mjforage" / "graph_planner"
     packages = top - {planner} | {path.parent for path in planner.glob("*/__init__.py")}
     assert sorted(named) == sorted(str(path.relative_to(REPOSITORY)) for path in packages)
-    assert all(picture().count(f"| {name} ") == 1 for name in named)
-
-
-def test_another_order_is_another_picture(monkeypatch: pytest.MonkeyPatch) -> None:
-    turned = layers()[::-1]
-    monkeypatch.setattr(drawing, "layers", lambda: turned)
-    assert renewed(TEXT) != TEXT
 
 
 def test_what_it_names_is_there() -> None:
-    for target in re.findall(r"\]\(([^)#]+)", TEXT):
-        assert (REPOSITORY / target).exists(), target
     makefile = (REPOSITORY / "Makefile").read_text("utf-8")
     for target in re.findall(r"`make ([\w-]+)", TEXT):
         assert re.search(rf"^{target}:", makefile, re.M), target
     for path in re.findall(r"`((?:tests|mjforage|metrics|graph_planner|models)/[\w./-]+)`", TEXT):
-        assert Path(REPOSITORY, path).exists(), path
+        assert (REPOSITORY / path).exists(), path
