@@ -35,7 +35,7 @@ def read(path: Path) -> pl.DataFrame:
 
 def main(picture: Path, runs: list[Path]) -> None:
     """Draw."""
-    looks = style.looks([name_of(path) for path in runs])
+    looks = style.policy_styles([name_of(path) for path in runs])
     figure = Figure(figsize=(9.0, 2.8), layout="constrained")
     for axes, (column, name) in zip(figure.subplots(1, 3), COLUMNS.items(), strict=True):
         for (level, values), dash in zip(LEVELS.items(), (":", "--"), strict=True):

@@ -50,7 +50,7 @@ def manoeuvre(
     out
         CSV to write: t_s,x_m,y_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps.
     plot
-        Picture to write.
+        ReportFigure to write.
     """
     from mjforage.base.atomic_files import atomic_write
     from mjforage.physics.manoeuvre import (

@@ -18,7 +18,7 @@ from mjforage.physics.manoeuvre.key_figures import KeyFigure, key_figures
 from mjforage.physics.manoeuvre.standard import AHEAD_S, APPROACH_S
 from mjforage.physics.manoeuvre.trajectory import Trajectory, check_file
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDE_IN, house_style, literal
+from mjforage.view.page.figure import WIDE_IN, house_style, literal
 
 HULLS = 12  # outlines along the track, at most
 LARGER = (1, 2, 5, 10, 20, 50, 100)  # how much larger than life hulls are drawn

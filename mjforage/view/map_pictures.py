@@ -19,7 +19,7 @@ from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.scenario.maps import GridMap, Starts
 from mjforage.view.page import style
-from mjforage.view.page.picture import literal
+from mjforage.view.page.figure import literal
 
 LONG_SIDE_IN = 7.0  # of the map itself [inch]
 MARGIN_IN = (0.6, 0.75)  # across, up: for ticks and title [inch]

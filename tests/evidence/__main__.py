@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mjforage.base.errors import UserError
-from mjforage.view.page.picture import house_style, png_bytes, smaller
+from mjforage.view.page.figure import house_style, png_bytes, smaller
 from mjforage.view.report.studies import communication
 from mjforage.view.report.studies.board_page import write_board_page
 from tests.documents.blocks import pages

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mjforage import metrics
 from mjforage.metrics.statistics import NORMAL_95
 from mjforage.view.page import style
-from mjforage.view.page.picture import smaller
+from mjforage.view.page.figure import smaller
 from tests.evidence.cells import beside, gap
 from tests.evidence.piece import REPOSITORY, Cell, load
 from tests.evidence.playing import Run, Runs, play
@@ -132,7 +132,7 @@ def evaluations(folder: Path) -> pl.DataFrame:
 
 def curves(runs: Runs) -> None:
     """Draw the evaluations over the updates, a standard error to each side."""
-    looks = style.looks(list(runs.folders))
+    looks = style.policy_styles(list(runs.folders))
     figure = Figure(figsize=(9.0, 2.6), layout="constrained")
     for axes, (key, head) in zip(figure.subplots(1, len(SCORES)), SCORES.items(), strict=True):
         for label, folder in runs.folders.items():

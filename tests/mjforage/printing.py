@@ -30,5 +30,5 @@ def _blank(figure: object, paper: object, letters: object, **options: Any) -> by
 def unprinted_figures() -> Iterator[None]:
     """Within it figures are drawn, but printed blank, which saves most of a report's seconds."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("mjforage.view.page.picture._printed", _blank)
+        patch.setattr("mjforage.view.page.figure._printed", _blank)
         yield

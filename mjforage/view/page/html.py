@@ -14,8 +14,8 @@ import jinja2
 from markupsafe import Markup, escape
 
 from mjforage.base.references import file_label
+from mjforage.view.page.figure import ReportFigure, save_figure, smaller
 from mjforage.view.page.marked_words import CODE, SUBSCRIPT
-from mjforage.view.page.picture import Picture, save_figure, smaller
 from mjforage.view.page.table import Row, Table, groups
 from mjforage.view.page.table_files import csv_text
 
@@ -23,7 +23,7 @@ _FOLDERS = ("page", "report", "validation")  # of templates
 
 
 @dataclass(frozen=True)
-class Shown:
+class EmbeddedFigure:
     """A figure as the template sets it."""
 
     name: str
@@ -35,7 +35,7 @@ class Shown:
     height_px: int
 
 
-def embedded(picture: Picture, folder: Path) -> Shown:
+def embedded(picture: ReportFigure, folder: Path) -> EmbeddedFigure:
     """Save a figure in `figures` of a folder, and embed it: curves as SVG, maps as smaller PNG.
 
     Raises
@@ -46,7 +46,9 @@ def embedded(picture: Picture, folder: Path) -> Shown:
     return embedded_within(math.inf, [picture], folder)[0]
 
 
-def embedded_within(budget: float, pictures: Sequence[Picture], folder: Path) -> list[Shown]:
+def embedded_within(
+    budget: float, pictures: Sequence[ReportFigure], folder: Path
+) -> list[EmbeddedFigure]:
     """The same of several, which together have so many characters at most if they can.
 
     The largest are embedded as PNG of few colours instead, until they fit; the files stay whole.
@@ -72,12 +74,14 @@ def _data_uri(kind: str, content: bytes) -> str:
     return f"data:image/{kind};base64," + base64.b64encode(content).decode("ascii")
 
 
-def _shown(picture: Picture, source: str) -> Shown:
+def _shown(picture: ReportFigure, source: str) -> EmbeddedFigure:
     width, height = (round(96 * size) for size in picture.figure.get_size_inches())
-    return Shown(picture.name, picture.title, picture.caption, source, picture.wide, width, height)
+    return EmbeddedFigure(
+        picture.name, picture.title, picture.caption, source, picture.wide, width, height
+    )
 
 
-def set_page(name: str, version: str, content: dict[str, Any]) -> str:
+def render_page(name: str, version: str, content: dict[str, Any]) -> str:
     """The page as HTML.
 
     Parameters

@@ -133,7 +133,7 @@ RC: dict[Any, Any] = {
 
 
 @dataclass(frozen=True)
-class Look:
+class PolicyStyle:
     """Colour and marker of one policy."""
 
     colour: str  # "#rrggbb"
@@ -160,18 +160,18 @@ def ordered(policies: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted(unique, key=lambda name: rank.get(name, len(rank))))
 
 
-def looks(policies: Sequence[str]) -> dict[str, Look]:
+def policy_styles(policies: Sequence[str]) -> dict[str, PolicyStyle]:
     """Give every policy a colour and a marker; unknown names share neither if avoidable.
 
     Returns
     -------
     dict
-        Policy name to `Look`, in the order of `ordered`.
+        Policy name to `PolicyStyle`, in the order of `ordered`.
     """
     names, taken = ordered(policies), set[str]()
     shapes = dict(zip(POLICY_COLOURS, MARKERS, strict=True))
     left = [marker for name, marker in shapes.items() if name not in names]
-    result: dict[str, Look] = {}
+    result: dict[str, PolicyStyle] = {}
     for name in names:
         colour = policy_colour(name)
         if name not in POLICY_COLOURS:
@@ -179,7 +179,9 @@ def looks(policies: Sequence[str]) -> dict[str, Look]:
             cycle = FALLBACK_COLOURS[first:] + FALLBACK_COLOURS[:first]
             colour = next((c for c in cycle if c not in taken), colour)
         taken.add(colour)
-        result[name] = Look(colour, shapes.get(name) or (left.pop(0) if left else MARKERS[0]))
+        result[name] = PolicyStyle(
+            colour, shapes.get(name) or (left.pop(0) if left else MARKERS[0])
+        )
     return result
 
 

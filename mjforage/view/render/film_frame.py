@@ -31,7 +31,7 @@ from mjforage.view.render.text import fit, width, write
 from mjforage.view.render.timeline import Timeline
 
 
-class Picture(Protocol):
+class EpisodeView(Protocol):
     """What draws one episode without a panel."""
 
     @property
@@ -45,7 +45,7 @@ class Picture(Protocol):
         """What the panel tells of that time."""
 
 
-class MapPicture(Chart):
+class MapView(Chart):
     """The plain drawing from above as the picture of a film."""
 
     @property
@@ -73,7 +73,7 @@ class FilmFrame:
     def __init__(
         self,
         recordings: Sequence[Recording],
-        pictures: Sequence[Picture],
+        pictures: Sequence[EpisodeView],
         size: tuple[int, int],
         layout: Layout,
         drawn: bool,
@@ -88,7 +88,7 @@ class FilmFrame:
             for score, recording, picture in zip(layout.scores, recordings, pictures, strict=False)
         ]
 
-    def _chart(self, box: Box, recording: Recording, picture: Picture) -> Chart:
+    def _chart(self, box: Box, recording: Recording, picture: EpisodeView) -> Chart:
         room = box.width, box.height - CHART_TITLE * self._layout.unit
         return Chart(recording, room, most=self._most, followed=picture.followed, detailed=False)
 

@@ -13,9 +13,9 @@ from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette
 from mjforage.view.render.cameras import CAMERAS
 from mjforage.view.render.film_frame import (
+    EpisodeView,
     FilmFrame,
-    MapPicture,
-    Picture,
+    MapView,
     check_beside,
     shape_of,
 )
@@ -174,7 +174,7 @@ def map_film(shown: list[Recording], size: tuple[int, int], most: int | None = N
     layout = _layout(shown, size, shape_of(shown[0]), charted=False)
     most = most or palette.most_believed(*(one.belief for one in shown))
     pictures = [
-        MapPicture(one, _whole(box), most=most)
+        MapView(one, _whole(box), most=most)
         for one, box in zip(shown, layout.pictures, strict=True)
     ]
     return FilmFrame(shown, pictures, size, layout, drawn=True)
@@ -195,7 +195,7 @@ def _through_mujoco(
     shape = None if CAMERAS[camera].follows else water_area(shown[0]).shape
     layout = _layout(shown, size, shape, charted=True)
     view: HarbourView | None = None
-    pictures: list[Picture] = []
+    pictures: list[EpisodeView] = []
     # The right one comes first: it is larger, and the left one draws on its canvas.
     for recording, box in list(zip(shown, layout.pictures, strict=True))[::-1]:
         kind = recording, camera, *_whole(box)

@@ -98,7 +98,7 @@ def clearing_table(logs: RunLogs) -> Table | None:
     """A row per policy and world; None where every episode was cleared."""
     if not any(logs.items_of(one)["t_collected"].null_count() for one in logs.series):
         return None
-    looks = style.looks(logs.policies)
+    looks = style.policy_styles(logs.policies)
     rows = tuple(
         _row(logs, (world, policy), looks[policy].colour)
         for policy in logs.policies

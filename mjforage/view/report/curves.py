@@ -10,10 +10,10 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from mjforage.mission.mission_metrics import Description
-from mjforage.view.page.picture import (
+from mjforage.view.page.figure import (
     WIDTH_IN,
     Panel,
-    Picture,
+    ReportFigure,
     canvas,
     joined,
     mathtext,
@@ -126,7 +126,7 @@ def course(logs: RunLogs, series: Series, key: str) -> Course:
 
 
 def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Description) -> dict[Series, Course]:
-    looks, lines = panel.looks(), panel.lines()
+    looks, lines = panel.styles(), panel.lines()
     courses = {series: course(logs, series, curve.course) for series in logs.series}
     for place, ((world, policy), line) in enumerate(courses.items()):
         look = looks[policy]
@@ -234,7 +234,7 @@ def _defined(logs: RunLogs, courses: dict[Series, Course], curve: Description) -
 
 def time_figure(
     logs: RunLogs, name: str, title: str, curves: Sequence[Description], definition: str
-) -> Picture:
+) -> ReportFigure:
     """Draw one panel per curve, stacked above a common axis of normalised time."""
     panel = Panel(logs.policies, logs.run.worlds)
     height = 1.1 + 2.45 * len(curves)
@@ -247,7 +247,7 @@ def time_figure(
         words += [end + _defined(logs, courses, curve) + _paper(logs, curve)] if end else []
     grid[-1, 0].set_xlabel("normalised time  $t/T$")
     panel.legend(figure)
-    return Picture(name, title, " ".join((*words, definition)), figure)
+    return ReportFigure(name, title, " ".join((*words, definition)), figure)
 
 
 def _has_numbers(logs: RunLogs, key: str) -> bool:
@@ -255,7 +255,7 @@ def _has_numbers(logs: RunLogs, key: str) -> bool:
     return key in logs.columns_of_steps and bool(logs.means[key + COUNT].sum())
 
 
-def time_figures(logs: RunLogs) -> list[Picture]:
+def time_figures(logs: RunLogs) -> list[ReportFigure]:
     """Every figure over time, in the order of the report: ours, then one per other course."""
     courses, figures = logs.courses, []
     for one in ARRANGED:

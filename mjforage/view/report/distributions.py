@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from mjforage.mission.mission_metrics import Description
 from mjforage.view.page import style
-from mjforage.view.page.picture import (
+from mjforage.view.page.figure import (
     WIDTH_IN,
     Panel,
-    Picture,
+    ReportFigure,
     canvas,
     joined,
     mathtext,
@@ -94,7 +94,7 @@ def _draw(
 
 def _violins(axes: Axes, logs: RunLogs, violins: dict[Series, Violin], words: str) -> None:
     policies, worlds = logs.policies, logs.run.worlds
-    looks, lines = style.looks(policies), style.world_lines(worlds)
+    looks, lines = style.policy_styles(policies), style.world_lines(worlds)
     width = 0.8 / len(worlds)
     for (world, policy), violin in violins.items():
         offset = (worlds.index(world) - (len(worlds) - 1) / 2) * width
@@ -142,7 +142,7 @@ def _counts(logs: RunLogs, violins: dict[Series, Violin], what: str) -> str:
 
 def _figure(
     logs: RunLogs, violins: dict[Series, Violin], axis: str, unit: str, words: Words
-) -> Picture:
+) -> ReportFigure:
     figure = canvas(WIDTH_IN, 3.55)
     axes = figure.subplots()
     _violins(axes, logs, violins, axis)
@@ -150,14 +150,14 @@ def _figure(
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     if len(logs.run.worlds) > 1:
         Panel((), logs.run.worlds).legend(figure)
-    return Picture(words.name, words.title, words.caption, figure)
+    return ReportFigure(words.name, words.title, words.caption, figure)
 
 
 def _defined(values: FloatArray) -> FloatArray:
     return values[np.isfinite(values)]
 
 
-def distribution_figures(logs: RunLogs) -> list[Picture]:
+def distribution_figures(logs: RunLogs) -> list[ReportFigure]:
     """Draw the latency of the items, and each metric that has no course and is to be drawn."""
     drawn = [
         one
@@ -167,7 +167,7 @@ def distribution_figures(logs: RunLogs) -> list[Picture]:
     return [_latency(logs), *(_of_episodes(logs, one) for one in drawn)]
 
 
-def _latency(logs: RunLogs) -> Picture:
+def _latency(logs: RunLogs) -> ReportFigure:
     violins = {
         s: Violin(item_latencies(logs, s), _defined(logs.scalar(s, "dsl"))) for s in logs.series
     }
@@ -180,7 +180,7 @@ def _latency(logs: RunLogs) -> Picture:
     return _figure(logs, violins, "DSL", "of horizon $T$", words)
 
 
-def _of_episodes(logs: RunLogs, metric: Description) -> Picture:
+def _of_episodes(logs: RunLogs, metric: Description) -> ReportFigure:
     values = {s: _defined(logs.scalar(s, metric.key)) for s in logs.series}
     violins = {s: Violin(found, found) for s, found in values.items()}
     caption = (

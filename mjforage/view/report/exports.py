@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
-from mjforage.view.page.picture import Picture, house_style, pdf_bytes, png_bytes, svg_bytes
+from mjforage.view.page.figure import ReportFigure, house_style, pdf_bytes, png_bytes, svg_bytes
 from mjforage.view.page.table import Table
 from mjforage.view.page.table_files import FORMATS, write_table
 
@@ -58,7 +58,7 @@ def _chosen(flag: str, text: str, known: Collection[str]) -> tuple[str, ...]:
 
 
 def export(
-    folder: Path, tables: Sequence[Table], pictures: Sequence[Picture], wanted: Exports
+    folder: Path, tables: Sequence[Table], pictures: Sequence[ReportFigure], wanted: Exports
 ) -> None:
     """Write tables into ``tables``, always as CSV, and figures into ``figures`` of a folder.
 

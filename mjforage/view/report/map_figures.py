@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from mjforage.runs.episode_recording import Recording
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDE_IN, Picture, canvas
+from mjforage.view.page.figure import WIDE_IN, ReportFigure, canvas
 from mjforage.view.report.run_logs import RunLogs
 
 SCOUT_HULL = DrawnPath(
@@ -189,7 +189,7 @@ def _layout(shape: tuple[int, int]) -> tuple[int, int, float, float]:
     return 3, 1, WIDE_IN, min(12.0, 3 * (WIDE_IN - 1.2) * tall) + 1.6
 
 
-def scenario_figure(logs: RunLogs, replay: Recording) -> Picture:
+def scenario_figure(logs: RunLogs, replay: Recording) -> ReportFigure:
     """Draw the paper's scenario figure from a replay at an instructive step."""
     step = instructive_step(replay.item_present)
     counts, belief = items_per_node(replay, step), replay.belief[step].astype(np.int64)
@@ -207,7 +207,7 @@ def scenario_figure(logs: RunLogs, replay: Recording) -> Picture:
         axes.set_title(title)
         _bar(figure, image, panels, f"{title[4:]} per node")
     _legend(figure, replay.agent_collects)
-    return Picture(
+    return ReportFigure(
         "scenario", "The scenario", _words(logs, replay, step, counts, belief), figure, wide=True
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from mjforage.runs.run_info import RunInfo
-from mjforage.view.page import Shown, groups, set_page, style
+from mjforage.view.page import EmbeddedFigure, groups, render_page, style
 from mjforage.view.report.all_tables import ReportTables
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.run_logs import RunLogs
@@ -97,7 +97,9 @@ class ReportPage:
         self._content: dict[str, Any] = {
             "run": logs.run,
             "left_out": left_out(logs, shown),
-            "chips": {name: look.colour for name, look in style.looks(shown.policies).items()},
+            "chips": {
+                name: look.colour for name, look in style.policy_styles(shown.policies).items()
+            },
             "facts": run_facts(logs),
             "headline": tables.headline,
             "few": too_few(logs.run.episodes),
@@ -114,16 +116,16 @@ class ReportPage:
         }
         self.room = LARGEST - len(self._set((), None))
 
-    def text(self, figures: Sequence[Shown]) -> str:
+    def text(self, figures: Sequence[EmbeddedFigure]) -> str:
         """The page with these figures, and as much of the replay as there is room for."""
         room = self.room - sum(len(figure.source) for figure in figures)
         folders = {"": self._logs.folder}
         return self._set(figures, web_replay(folders, min(BUDGET, room), self._shown.policies))
 
-    def _set(self, figures: Sequence[Shown], replay: WebReplay | None) -> str:
+    def _set(self, figures: Sequence[EmbeddedFigure], replay: WebReplay | None) -> str:
         parts = {
             "wide": [figure for figure in figures if figure.wide],
             "narrow": [figure for figure in figures if not figure.wide],
             "replay": replay,
         }
-        return set_page("report.html.j2", self._version, self._content | parts)
+        return render_page("report.html.j2", self._version, self._content | parts)

@@ -12,7 +12,7 @@ from mjforage.base.atomic_files import write_bytes, write_errors
 from mjforage.base.errors import UserError
 from mjforage.mission.mission_metrics import Description
 from mjforage.runs.run_info import load_run, read_json
-from mjforage.view.page import Row, Table, set_page, style
+from mjforage.view.page import Row, Table, render_page, style
 from mjforage.view.page.table import Number
 from mjforage.view.page.table_files import write_table
 from mjforage.view.report.differences import (
@@ -84,7 +84,7 @@ def write_pair(first: Path, second: Path, out: Path | None = None) -> Path:
             policies=[policy for logs in runs for policy in logs.policies],
         ),
     }
-    text = set_page("pair.html.j2", runs[0].run.versions.get("mjforage", ""), content)
+    text = render_page("pair.html.j2", runs[0].run.versions.get("mjforage", ""), content)
     with write_errors(out):
         out.mkdir(parents=True, exist_ok=True)
     for table in filter(None, (brief, full, hulls, settings)):

@@ -136,7 +136,7 @@ def metric_table(
 ) -> Table:
     """Policies down, metrics across; the paper's figures under the policies that it has."""
     metrics = [describe(key) for key in keys]
-    looks, several = style.looks(logs.policies), _by_policy(logs)
+    looks, several = style.policy_styles(logs.policies), _by_policy(logs)
     winners = [best_of(logs, metric) for metric in metrics]
     rows: list[Row] = []
     for place, series in enumerate(several):
@@ -212,7 +212,7 @@ def full_table(logs: RunLogs) -> Table:
 
     Those of a link, and others that no episode of the run defines, are only named.
     """
-    looks = style.looks(logs.policies)
+    looks = style.policy_styles(logs.policies)
     rows, nowhere = [], []
     for metric in logs.metrics.values():
         if logs.has(metric.key) and not logs.defined(metric.key):

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDE_IN, WIDTH_IN, Picture, canvas
+from mjforage.view.page.figure import WIDE_IN, WIDTH_IN, ReportFigure, canvas
 from mjforage.view.report.map_figures import draw_port
 from mjforage.view.report.run_logs import TRACK_STEPS, RunLogs, Series
 
@@ -82,7 +82,7 @@ def _panels(logs: RunLogs) -> tuple[Figure, list[Axes]]:
     return figure, panels[: len(logs.series)]
 
 
-def tracks_figure(logs: RunLogs) -> Picture:
+def tracks_figure(logs: RunLogs) -> ReportFigure:
     """Draw the tracks of the lowest episode, a panel per policy and world."""
     figure, panels = _panels(logs)
     for axes, series in zip(panels, logs.series, strict=True):
@@ -101,4 +101,4 @@ def tracks_figure(logs: RunLogs) -> Picture:
                 else ""
             )
         )
-    return Picture("tracks", "Where the fleet went", words, figure, wide=True)
+    return ReportFigure("tracks", "Where the fleet went", words, figure, wide=True)

@@ -4,7 +4,7 @@ from mjforage.metrics import paired_contribution, paired_p
 from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
-from mjforage.view.page.picture import Picture, house_style
+from mjforage.view.page.figure import ReportFigure, house_style
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import SEED, Estimate, family_note, set_apart
 from mjforage.view.report.published import elsewhere, published_for
@@ -134,9 +134,9 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
     return Table(name, title, labels, tuple(rows), notes, better=better)
 
 
-def pictures(logs: StudyLogs) -> list[Picture]:
+def pictures(logs: StudyLogs) -> list[ReportFigure]:
     """A figure of contributions per world."""
-    drawn, looks = [], style.looks(logs.base.policies)
+    drawn, looks = [], style.policy_styles(logs.base.policies)
     for world in logs.worlds:
         subjects = [
             Subject(

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from mjforage.view.page.picture import Picture
+from mjforage.view.page.figure import ReportFigure
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.published import NUMBERS, TAUGHT
 from mjforage.view.report.studies.study_page import Section
@@ -27,7 +27,7 @@ def referred(sections: Sequence[Section]) -> list[Section]:
     ]
 
 
-def _numbered(picture: Picture) -> Picture:
+def _numbered(picture: ReportFigure) -> ReportFigure:
     number = NUMBERS.get(picture.name)
     if number is None:
         return picture

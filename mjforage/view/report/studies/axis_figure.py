@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from mjforage.mission.mission_metrics import Description, describe
 from mjforage.runs.axes import Axis, Point
 from mjforage.view.page import style
-from mjforage.view.page.picture import (
+from mjforage.view.page.figure import (
     WIDE_IN,
     Panel,
-    Picture,
+    ReportFigure,
     canvas,
     house_style,
     joined,
@@ -96,7 +96,7 @@ def _draw(
     shift = _shifts(axis, len(shown.policies))
     places = [axis.place(value) for value in axis.values]
     step = min(np.diff(places)) if len(places) > 1 else 1.0
-    for number, (policy, look) in enumerate(style.looks(shown.policies).items()):
+    for number, (policy, look) in enumerate(style.policy_styles(shown.policies).items()):
         for rank, (line, points) in enumerate(zip(LINES, axis.lines.values(), strict=False)):
             played = shown.played(policy, points)
             found = [
@@ -163,7 +163,7 @@ def _panels(figure: Figure, shown: AxisFigure) -> list[list[Axes]]:
 
 def axis_figure(
     name: str, title: str, caption: str, shown: AxisFigure, heads: Sequence[str] = ()
-) -> Picture:
+) -> ReportFigure:
     """Draw means with their intervals, filled where they differ from what they are compared with.
 
     Parameters
@@ -193,4 +193,4 @@ def axis_figure(
     )
     if scales:
         words += f" Values of {joined(scales)} are set at equal distances."
-    return Picture(name, title, words, figure, wide=True)
+    return ReportFigure(name, title, words, figure, wide=True)

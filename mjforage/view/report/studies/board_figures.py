@@ -12,9 +12,9 @@ from matplotlib.ticker import FuncFormatter
 from mjforage.metrics import pareto_front, performance_profile
 from mjforage.mission.mission_metrics import Description, describe
 from mjforage.view.page import style
-from mjforage.view.page.picture import (
+from mjforage.view.page.figure import (
     WIDE_IN,
-    Picture,
+    ReportFigure,
     canvas,
     house_style,
     joined,
@@ -43,7 +43,7 @@ def _legend(figure: Figure, board: Board) -> None:
             markersize=5.5,
             label=policy_name(name, board.logs.bounds),
         )
-        for name, look in style.looks(board.policies).items()
+        for name, look in style.policy_styles(board.policies).items()
     ]
     figure.legend(
         handles=handles, loc="outside upper left", ncols=7, columnspacing=1.3, handlelength=1.8
@@ -80,7 +80,7 @@ def _profiles(axes: Axes, board: Board, metric: Description) -> None:
     if tau is None:
         undefined(axes, mathtext(metric.label), "is undefined")
         return
-    for number, (policy, look) in enumerate(style.looks(playing).items()):
+    for number, (policy, look) in enumerate(style.policy_styles(playing).items()):
         values, tasks = runs[policy]
         found = performance_profile(values, tau, metric.better, SEED, strata=tasks)
         axes.fill_between(tau, found.low, found.high, color=look.colour, alpha=0.12, linewidth=0)
@@ -92,7 +92,7 @@ def _profiles(axes: Axes, board: Board, metric: Description) -> None:
     axes.set_xlabel(f"{_label(metric)} {'≥' if metric.better > 0 else '≤'} τ")
 
 
-def profiles_picture(board: Board) -> Picture | None:
+def profiles_picture(board: Board) -> ReportFigure | None:
     """A panel per score, a line per policy; None where no course is played by all."""
     if not board.shared:
         return None
@@ -112,7 +112,7 @@ def profiles_picture(board: Board) -> Picture | None:
         "NeurIPS 2021). A run without a score counts as worse than every τ. The axes leave out "
         f"the worst {100 * TAIL:g} % of all runs."
     )
-    return Picture("profiles", "Performance profiles", caption, figure, wide=True)
+    return ReportFigure("profiles", "Performance profiles", caption, figure, wide=True)
 
 
 def _quality(standing: Standing, key: str) -> FloatArray:
@@ -140,7 +140,7 @@ def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
         linestyle="--",
         zorder=1,
     )
-    for place, look in enumerate(style.looks(board.policies).values()):
+    for place, look in enumerate(style.policy_styles(board.policies).values()):
         one = found[place]
         if np.isnan([cost[place], one.value]).any():
             continue
@@ -160,7 +160,7 @@ def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
     return [board.policies[place] for place in order]
 
 
-def frontier_picture(standing: Standing) -> Picture | None:
+def frontier_picture(standing: Standing) -> ReportFigure | None:
     """Quality against the time of a decision; None where nobody's was measured."""
     board = standing.board
     if not any(np.isfinite(board.mean_decision(policy).ms) for policy in board.ranked):
@@ -181,4 +181,6 @@ def frontier_picture(standing: Standing) -> Picture | None:
         "Ringed and joined: the Pareto front, those that no policy beats in both; bounds (hollow) "
         f"aside. On it, the fastest first: {named}."
     )
-    return Picture("frontier", "Quality against the time of a decision", caption, figure, wide=True)
+    return ReportFigure(
+        "frontier", "Quality against the time of a decision", caption, figure, wide=True
+    )

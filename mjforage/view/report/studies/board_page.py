@@ -9,7 +9,7 @@ import jinja2
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
-from mjforage.view.page.picture import Picture, house_style, png_bytes, smaller
+from mjforage.view.page.figure import ReportFigure, house_style, png_bytes, smaller
 from mjforage.view.page.table_files import markdown_text
 from mjforage.view.report.differences import FEWEST
 from mjforage.view.report.studies import board
@@ -90,5 +90,5 @@ def _section(section: Section, page: Path) -> str:
     return "\n\n".join(parts)
 
 
-def _figure(picture: Picture, page: Path) -> str:
+def _figure(picture: ReportFigure, page: Path) -> str:
     return f"![{picture.title}]({_file(page, picture.file)})\n\n{picture.caption}"

@@ -69,7 +69,7 @@ def policies_table(board: Board) -> Table:
         trained, page = given(policy)
         cells = (what or NOTHING, trained or NOTHING, f"`{page}`" if page else NOTHING)
         head = policy_name(policy, board.logs.bounds)
-        colour = style.looks(board.policies)[policy].colour
+        colour = style.policy_styles(board.policies)[policy].colour
         rows.append(Row(head, cells, colour, values=(None,) * len(cells)))
     columns = ("what it is", "training", "described in")
     return Table("policies", "The policies", columns, tuple(rows), wordy=True)

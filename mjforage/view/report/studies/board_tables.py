@@ -5,7 +5,7 @@ import numpy as np
 from mjforage.metrics import bootstrap, iqm
 from mjforage.mission.mission_metrics import describe
 from mjforage.view.page import style
-from mjforage.view.page.picture import joined
+from mjforage.view.page.figure import joined
 from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report.best_marks import FEWEST, LEVEL, against_best, best
 from mjforage.view.report.differences import SEED, Difference, p_text
@@ -36,7 +36,7 @@ MARKED = (
 
 
 def _colour(board: Board, policy: str) -> str:
-    return style.looks(board.policies)[policy].colour
+    return style.policy_styles(board.policies)[policy].colour
 
 
 def _head(board: Board, policy: str) -> str:

@@ -19,9 +19,9 @@ class Line:
     player: Player
 
     @property
-    def look(self) -> style.Look:
+    def look(self) -> style.PolicyStyle:
         """Colour and marker of its policy."""
-        return style.looks((self.player.policy,))[self.player.policy]
+        return style.policy_styles((self.player.policy,))[self.player.policy]
 
     @property
     def colour(self) -> str:

@@ -22,10 +22,10 @@ from mjforage.metrics import (
 from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import corrupted_name, levels
 from mjforage.view.page import style
-from mjforage.view.page.picture import (
+from mjforage.view.page.figure import (
     WIDTH_IN,
     Panel,
-    Picture,
+    ReportFigure,
     canvas,
     house_style,
     joined,
@@ -214,7 +214,7 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
 
 
-def _draw(axes: Axes, fit: Fit, look: style.Look, line: style.Line) -> None:
+def _draw(axes: Axes, fit: Fit, look: style.PolicyStyle, line: style.Line) -> None:
     x = fit.levels
     axes.fill_between(
         x, fit.means - fit.half, fit.means + fit.half, color=look.colour, alpha=0.14, linewidth=0
@@ -233,14 +233,14 @@ def _draw(axes: Axes, fit: Fit, look: style.Look, line: style.Line) -> None:
     axes.plot(at, height, "|", color=look.colour, markersize=14, markeredgewidth=1.6)
 
 
-def picture(logs: StudyLogs, fits: Fits, team: str) -> Picture:
+def picture(logs: StudyLogs, fits: Fits, team: str) -> ReportFigure:
     """Every metric over the corruption of one team, as the paper's two CSSC figures."""
     panel = Panel(style.ordered(logs.base.policies), logs.worlds)
     with house_style():
         figure = canvas(WIDTH_IN, 1.1 + 2.6 * len(KEYS))
         grid = figure.subplots(len(KEYS), 1, sharex=True, squeeze=False)
         for axes, metric in zip(grid[:, 0], map(describe, KEYS), strict=True):
-            for policy, look in panel.looks().items():
+            for policy, look in panel.styles().items():
                 for world, line in panel.lines().items():
                     fit = fits.of(team, world, policy, metric.key)
                     if fit is not None:
@@ -254,7 +254,7 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> Picture:
         "SS; dotted: two segments, with a stroke at the break point."
     )
     words += _published(logs, team)
-    return Picture(f"corruption-{team}", f"Corruption of {team}", words, figure)
+    return ReportFigure(f"corruption-{team}", f"Corruption of {team}", words, figure)
 
 
 def _published(logs: StudyLogs, team: str) -> str:

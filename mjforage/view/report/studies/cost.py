@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from mjforage.metrics import half_width_95, mean
 from mjforage.runs.costs import Cost
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDTH_IN, Panel, Picture, canvas, house_style
+from mjforage.view.page.figure import WIDTH_IN, Panel, ReportFigure, canvas, house_style
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.studies.study_logs import StudyLogs
 from mjforage.view.report.text_tables import number, policy_name
@@ -181,7 +181,7 @@ def throughput_table(logs: StudyLogs) -> Table:
     return Table("throughput", "Throughput", labels, tuple(rows), notes, units, head="call")
 
 
-def throughput_picture(logs: StudyLogs) -> Picture | None:
+def throughput_picture(logs: StudyLogs) -> ReportFigure | None:
     """Throughput against workers; None unless long calls of several numbers did the same work."""
     drawn: dict[Work, list[tuple[int, float]]] = {}
     for work in works(logs):
@@ -199,7 +199,7 @@ def throughput_picture(logs: StudyLogs) -> Picture | None:
         figure = canvas(WIDTH_IN, 3.6)
         axes = figure.subplots()
         axes.add_line(Line2D([0, most], [0, most], color=style.MUTED, linestyle="--"))
-        looks, lines = panel.looks(), panel.lines()
+        looks, lines = panel.styles(), panel.lines()
         for (world, policy), points in drawn.items():
             look = looks[policy]
             axes.plot(*zip(*points, strict=True), **look.dots, markersize=5)
@@ -215,4 +215,4 @@ def throughput_picture(logs: StudyLogs) -> Picture | None:
         "world and policy; a dot per call, lines through their "
         f"means. Calls of less than {STARTED_S:g} s of it are left out. Dashed grey: in proportion."
     )
-    return Picture("throughput", "Throughput against workers", words, figure)
+    return ReportFigure("throughput", "Throughput against workers", words, figure)

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from mjforage.mission.mission_metrics import Description
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDE_IN, Picture, canvas, mathtext
+from mjforage.view.page.figure import WIDE_IN, ReportFigure, canvas, mathtext
 from mjforage.view.report.differences import FEWEST, Estimate, family_note, set_apart
 
 COLUMNS = 4  # panels beside one another, at most
@@ -20,7 +20,7 @@ class Subject:
     """One row of a forest figure."""
 
     head: str
-    look: style.Look
+    look: style.PolicyStyle
     estimates: Mapping[str, Estimate]  # by metric key
     paper: Mapping[str, float] = field(default_factory=dict)  # the paper's, where it has one
 
@@ -45,7 +45,7 @@ def forest(
     subjects: Sequence[Subject],
     *,
     gains: bool = False,
-) -> Picture:
+) -> ReportFigure:
     """Draw the estimates, filled where they differ from 0 after Holm's correction over the figure.
 
     With `gains` more is better whatever the metric; else they are in the metric's own unit.
@@ -76,4 +76,4 @@ def forest(
     )
     if any(subject.paper for subject in subjects):
         words += " Hollow star: the paper's number, at graph level."
-    return Picture(name, title, f"{caption} {words}", figure, wide=True)
+    return ReportFigure(name, title, f"{caption} {words}", figure, wide=True)

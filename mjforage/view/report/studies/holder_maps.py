@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.holders_seen import UNSEEN, HoldersMaps
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDE_IN, Picture, canvas, house_style
+from mjforage.view.page.figure import WIDE_IN, ReportFigure, canvas, house_style
 from mjforage.view.report.map_figures import (
     FORAGER_HULL,
     SCOUT_HULL,
@@ -111,7 +111,7 @@ def pair_of(maps: HoldersMaps, collects: NDArray[np.bool_]) -> tuple[int, int]:
     return int(one[first]), int(other[second])
 
 
-def holders_picture(name: str, title: str, replay: Recording, maps: HoldersMaps) -> Picture:
+def holders_picture(name: str, title: str, replay: Recording, maps: HoldersMaps) -> ReportFigure:
     """Draw the belief of two agents, then the age of their maps."""
     pair = pair_of(maps, replay.agent_collects)
     beliefs, ages = ([part[maps.holder_of[a]] for a in pair] for part in (maps.belief, maps.age))
@@ -135,7 +135,7 @@ def holders_picture(name: str, title: str, replay: Recording, maps: HoldersMaps)
             frame_port(axes, replay.navigable)
             _vessels(axes, replay, maps, agent)
         _legend(figure)
-    return Picture(name, title, _words(replay, maps, pair, beliefs, ages), figure, wide=True)
+    return ReportFigure(name, title, _words(replay, maps, pair, beliefs, ages), figure, wide=True)
 
 
 def _words(

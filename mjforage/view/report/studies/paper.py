@@ -7,7 +7,7 @@ import numpy as np
 from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
-from mjforage.view.page.picture import house_style
+from mjforage.view.page.figure import house_style
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.distributions import distribution_figures

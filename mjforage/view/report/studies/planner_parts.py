@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import BASELINES, COMPLETE, FAST, PARTS, ROBUST, WRONG, without
-from mjforage.view.page.picture import Picture, house_style
+from mjforage.view.page.figure import ReportFigure, house_style
 from mjforage.view.report.studies.compared_players import (
     Line,
     difference,
@@ -35,7 +35,7 @@ def _others(logs: StudyLogs, variant: str, world: str) -> list[Line]:
 
 def _picture(
     logs: StudyLogs, name: str, title: str, caption: str, pairs: Sequence[tuple[Line, Line]]
-) -> Picture:
+) -> ReportFigure:
     subjects = [
         Subject(
             line.head,

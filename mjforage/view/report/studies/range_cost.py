@@ -12,7 +12,7 @@ from mjforage.metrics import cost_of_information, paired_p
 from mjforage.mission.mission_metrics import describe
 from mjforage.runs.axes import Axis, Point
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDTH_IN, Panel, Picture, canvas, house_style
+from mjforage.view.page.figure import WIDTH_IN, Panel, ReportFigure, canvas, house_style
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import FEWEST, SEED, Estimate, family_note, set_apart
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
@@ -107,7 +107,7 @@ def cost_table(logs: StudyLogs, world: str, costs: Costs) -> Table:
 
 
 def _draw(axes: Axes, costs: Costs, line: str) -> None:
-    looks = style.looks(costs.policies)
+    looks = style.policy_styles(costs.policies)
     axes.axhline(0.0, color=style.MUTED, linewidth=1.0)
     for number, (policy, look) in enumerate(looks.items()):
         shift = DODGE * (number - (len(looks) - 1) / 2)
@@ -128,7 +128,7 @@ def _draw(axes: Axes, costs: Costs, line: str) -> None:
     axes.set_ylabel("$C_R$  [1/km]")
 
 
-def cost_picture(logs: StudyLogs, world: str, costs: Costs) -> Picture:
+def cost_picture(logs: StudyLogs, world: str, costs: Costs) -> ReportFigure:
     """C_R over the range, a panel for each line of the axis."""
     with house_style():
         figure = canvas(WIDTH_IN, 1.1 + 2.3 * len(costs.lines))
@@ -145,4 +145,4 @@ def cost_picture(logs: StudyLogs, world: str, costs: Costs) -> Picture:
         "more."
     )
     title = f"Cost of information over the range{logs.suffix(world)}"
-    return Picture(f"range-cost-{world}", title, words, figure)
+    return ReportFigure(f"range-cost-{world}", title, words, figure)

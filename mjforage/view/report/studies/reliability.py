@@ -9,7 +9,7 @@ from matplotlib.ticker import PercentFormatter
 from numpy.typing import NDArray
 
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDTH_IN, Picture, canvas, house_style
+from mjforage.view.page.figure import WIDTH_IN, ReportFigure, canvas, house_style
 
 SHADES = ("#009E73", "#D55E00", "#0072B2", "#B5308A", "#5E5E5E")
 
@@ -23,7 +23,9 @@ class Bins:
     count: NDArray[np.int64]  # (bin,) how many
 
 
-def reliability_picture(name: str, title: str, caption: str, kinds: Mapping[str, Bins]) -> Picture:
+def reliability_picture(
+    name: str, title: str, caption: str, kinds: Mapping[str, Bins]
+) -> ReportFigure:
     """Draw observed share over forecast, and below it how many forecasts there were.
 
     Parameters
@@ -51,4 +53,4 @@ def reliability_picture(name: str, title: str, caption: str, kinds: Mapping[str,
         f"{caption} On the dashed line forecasts come true as often as they say; below it the "
         "planner expects too much, above it too little. Below: how many forecasts a dot stands for."
     )
-    return Picture(name, title, words, figure)
+    return ReportFigure(name, title, words, figure)

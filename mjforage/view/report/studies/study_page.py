@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
-from mjforage.view.page import Shown, embedded_within, set_page, style
-from mjforage.view.page.picture import Picture, house_style
+from mjforage.view.page import EmbeddedFigure, embedded_within, render_page, style
+from mjforage.view.page.figure import ReportFigure, house_style
 from mjforage.view.page.table import Table
 from mjforage.view.report.clearing import TITLE, clearing_table
 from mjforage.view.report.differences import too_few
@@ -32,7 +32,7 @@ class Section:
     title: str
     words: str = ""
     tables: Sequence[Table] = ()
-    pictures: Sequence[Picture] = ()
+    pictures: Sequence[ReportFigure] = ()
     folded: Sequence[Table] = ()  # after the pictures, closed where they are long
 
     @property
@@ -141,7 +141,7 @@ def _set(
     sections: Sequence[Section],
     notes: Sequence[str],
     rows: int,
-    figures: Sequence[Shown] = (),
+    figures: Sequence[EmbeddedFigure] = (),
     replay: WebReplay | None = None,
 ) -> str:
     """The page with at most so many rows in a table, and the figures of all sections in turn."""
@@ -177,4 +177,4 @@ def _set(
         "notes": notes,
         "scenario_json": json.dumps(logs.info.scenario, indent=2, ensure_ascii=False),
     }
-    return set_page("study.html.j2", logs.base.versions.get("mjforage", ""), content)
+    return render_page("study.html.j2", logs.base.versions.get("mjforage", ""), content)

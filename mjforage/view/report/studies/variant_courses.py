@@ -11,7 +11,14 @@ from matplotlib.ticker import MaxNLocator
 from mjforage.mission.mission_metrics import describe
 from mjforage.runs.study import variant_folder
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDE_IN, Picture, canvas, house_style, mathtext, undefined
+from mjforage.view.page.figure import (
+    WIDE_IN,
+    ReportFigure,
+    canvas,
+    house_style,
+    mathtext,
+    undefined,
+)
 from mjforage.view.report.curves import course
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.studies.study_logs import StudyLogs
@@ -42,7 +49,7 @@ def courses_picture(
     variants: Sequence[tuple[str, str]],
     keys: Sequence[str],
     world: str,
-) -> Picture:
+) -> ReportFigure:
     """Draw means with their bands.
 
     Parameters
@@ -93,4 +100,4 @@ def courses_picture(
         figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
     words = " ".join(f"{describe(key).label}: {describe(key).definition}." for key in keys)
     bands = "Lines: means of the episodes, bands ± 1.96 SEM."
-    return Picture(name, title, f"{caption} {bands} {words}", figure, wide=True)
+    return ReportFigure(name, title, f"{caption} {bands} {words}", figure, wide=True)

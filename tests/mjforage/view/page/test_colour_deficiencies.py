@@ -85,12 +85,12 @@ def test_colours_show_on_white_and_on_dark() -> None:
 
 
 def test_every_policy_has_a_marker_of_its_own_in_every_figure() -> None:
-    together = style.looks(list(style.POLICY_COLOURS))
+    together = style.policy_styles(list(style.POLICY_COLOURS))
     assert len({look.marker for look in together.values()}) == len(together)
     for name, look in together.items():
-        assert style.looks([name])[name] == look
+        assert style.policy_styles([name])[name] == look
 
 
 def test_policies_of_others_take_markers_that_are_left() -> None:
-    looks = style.looks(["greedy", "levy", "mine", "yours"])
+    looks = style.policy_styles(["greedy", "levy", "mine", "yours"])
     assert len({look.marker for look in looks.values()}) == 4

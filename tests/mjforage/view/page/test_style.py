@@ -7,9 +7,9 @@ from mjforage.view.page import style
 
 
 def test_colours_do_not_depend_on_company() -> None:
-    alone = style.looks(["levy"])["levy"].colour
-    assert style.looks(["mine", "greedy", "levy"])["levy"].colour == alone
-    assert style.looks(["mine"])["mine"].colour == style.policy_colour("mine")
+    alone = style.policy_styles(["levy"])["levy"].colour
+    assert style.policy_styles(["mine", "greedy", "levy"])["levy"].colour == alone
+    assert style.policy_styles(["mine"])["mine"].colour == style.policy_colour("mine")
 
 
 def test_order_is_fixed_and_unknown_names_come_last() -> None:
@@ -18,7 +18,7 @@ def test_order_is_fixed_and_unknown_names_come_last() -> None:
 
 def test_shipped_and_unknown_policies_have_distinct_colours() -> None:
     unknown = [f"own-{i}" for i in range(len(style.FALLBACK_COLOURS))]
-    looks = style.looks([*style.POLICY_COLOURS, *unknown])
+    looks = style.policy_styles([*style.POLICY_COLOURS, *unknown])
     assert len({look.colour for look in looks.values()}) == len(looks)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.view.page.picture import house_style
+from mjforage.view.page.figure import house_style
 from mjforage.view.report.curves import course
 from mjforage.view.report.distributions import distribution_figures, item_latencies
 from mjforage.view.report.run_logs import load_logs

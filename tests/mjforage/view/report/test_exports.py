@@ -10,7 +10,7 @@ import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.mission.mission_metrics import describe
-from mjforage.view.page.picture import Picture
+from mjforage.view.page.figure import ReportFigure
 from mjforage.view.report import Exports, write_report
 from mjforage.view.report.all_figures import draw_figures
 from mjforage.view.report.best_marks import best_of
@@ -34,7 +34,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, bytes]]:
     return found
 
 
-def a_map_and_curves(logs: RunLogs) -> list[Picture]:
+def a_map_and_curves(logs: RunLogs) -> list[ReportFigure]:
     return [one for one in draw_figures(logs) if one.name in ("tracks", "pta")]
 
 

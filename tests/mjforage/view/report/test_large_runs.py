@@ -14,7 +14,7 @@ from mjforage.metrics import paired_difference
 from mjforage.mission.mission_metrics import describe
 from mjforage.runs.parquet import collected
 from mjforage.view.page import Row, Table, embedded_within
-from mjforage.view.page.picture import Picture, canvas
+from mjforage.view.page.figure import ReportFigure, canvas
 from mjforage.view.report import step_means, write_report
 from mjforage.view.report.all_tables import draw_tables
 from mjforage.view.report.curves import time_figures
@@ -170,7 +170,7 @@ def test_the_largest_figures_become_pictures_until_all_have_room(tmp_path: Path)
     for name, points in (("small", 5), ("large", 5000)):
         figure = canvas(4.0, 3.0)
         figure.subplots().scatter(*np.random.default_rng(0).random((2, points)))
-        pictures.append(Picture(name, name, "", figure))
+        pictures.append(ReportFigure(name, name, "", figure))
     small, large = embedded_within(200_000, pictures, tmp_path)
     assert small.source.startswith("data:image/svg") and large.source.startswith("data:image/png")
     assert len(small.source) + len(large.source) <= 200_000

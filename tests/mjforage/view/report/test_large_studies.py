@@ -5,7 +5,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from mjforage.view.page.picture import Picture, canvas, house_style
+from mjforage.view.page.figure import ReportFigure, canvas, house_style
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.studies import write_study_report
 from mjforage.view.report.studies.study_page import Section, render
@@ -20,7 +20,7 @@ def table(name: str, rows: int) -> Table:
     return Table(name, name, tuple(f"column {k}" for k in range(12)), (row,) * rows)
 
 
-def noisy(name: str) -> Picture:
+def noisy(name: str) -> ReportFigure:
     """A figure whose SVG has some 2 MB."""
     with house_style():
         figure = canvas(6.0, 4.0)
@@ -28,7 +28,7 @@ def noisy(name: str) -> Picture:
         points = np.random.default_rng(1).normal(size=(2, 20_000))
         with mpl.rc_context({"path.simplify": False}):
             axes.plot(*points)
-    return Picture(name, name, name, figure)
+    return ReportFigure(name, name, name, figure)
 
 
 def test_tables_make_room_for_figures_and_figures_for_the_page(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from scipy import stats
 
 from mjforage.graph_planner.policies import policy_names
 from mjforage.runs.costs import Cost
-from mjforage.view.page.style import looks, policy_colour
+from mjforage.view.page.style import policy_colour
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.studies import board as page
 from mjforage.view.report.studies.board_figures import frontier_picture, profiles_picture
@@ -274,7 +274,7 @@ def test_every_policy_has_a_marker_that_can_be_drawn(tmp_path: Path) -> None:
     drawn = frontier_picture(Standing.of(Board(replace(logs, costs=costs))))
     assert drawn is not None
     marks = {str(line.get_marker()) for axes in drawn.figure.axes for line in axes.lines}
-    assert marks >= {look.marker for look in looks(names).values()}
+    assert marks >= {look.marker for look in policy_styles(names).values()}
 
 
 def test_without_random_or_the_oracle_there_is_no_normalised_score(tmp_path: Path) -> None:

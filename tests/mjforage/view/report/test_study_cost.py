@@ -7,7 +7,7 @@ import pytest
 
 from mjforage.runs.costs import Cost
 from mjforage.runs.study import StudyInfo
-from mjforage.view.page.picture import Picture
+from mjforage.view.page.figure import ReportFigure
 from mjforage.view.page.table import Table
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
@@ -26,7 +26,7 @@ def chunk(
     )
 
 
-def dots(picture: Picture) -> list[list[list[float]]]:
+def dots(picture: ReportFigure) -> list[list[list[float]]]:
     drawn = [line for line in picture.figure.axes[0].lines if line.get_marker() != "None"]
     return [np.asarray(line.get_xydata()).tolist() for line in drawn]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from mjforage.view.page.picture import Picture
+from mjforage.view.page.figure import ReportFigure
 from mjforage.view.page.style import policy_colour
 from mjforage.view.report.studies import communication, sensing
 from mjforage.view.report.studies.study_logs import StudyLogs
@@ -50,7 +50,7 @@ def heights(axes: Axes, policy: str) -> list[float]:
     return [y for _, y in sorted(places)]
 
 
-def panel(pictures: list[Picture], name: str, place: int = 0) -> Axes:
+def panel(pictures: list[ReportFigure], name: str, place: int = 0) -> Axes:
     (found,) = [one for one in pictures if one.name == name]
     return found.figure.axes[place]
 

@@ -21,7 +21,7 @@ from mjforage.runs.study import Study, Variant, run_study, variant_folder
 from mjforage.runs.variants import corrupted_name
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.page.html import environment
-from mjforage.view.page.style import MARKERS, looks
+from mjforage.view.page.style import MARKERS
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report import clearing
 from mjforage.view.report.curves import time_figures
@@ -348,7 +348,7 @@ def test_the_page_says_whether_the_map_was_cleared_and_what_horizon_would_do(stu
 
 def test_subjects_of_a_forest_have_the_markers_of_their_policies(study: Make) -> None:
     logs = study(True)
-    (look,) = looks(("greedy",)).values()
+    (look,) = policy_styles(("greedy",)).values()
     for axes in ablation.pictures(logs)[0].figure.axes[: len(ablation.KEYS)]:
         dots = [line for line in axes.lines if line.get_color() == look.colour]
         marked = {line.get_marker() for line in dots} - {"None"}

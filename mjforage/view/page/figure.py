@@ -36,7 +36,7 @@ _MATHEMATICS = re.compile(rf"\$(?:t/T|T|C_R|_\{{\\mathrm\{{{_WORDS}\}}\}}|{_POWE
 
 
 @dataclass(frozen=True)
-class Picture:
+class ReportFigure:
     """A drawn figure with its words. `title` and `caption` are plain text."""
 
     name: str  # as `file`, its file stem in figures/
@@ -58,9 +58,9 @@ class Panel:
     policies: tuple[str, ...]
     worlds: tuple[str, ...]
 
-    def looks(self) -> dict[str, style.Look]:
+    def styles(self) -> dict[str, style.PolicyStyle]:
         """Colour and marker per policy."""
-        return style.looks(self.policies)
+        return style.policy_styles(self.policies)
 
     def lines(self) -> dict[str, style.Line]:
         """Line style per world."""
@@ -68,7 +68,7 @@ class Panel:
 
     def legend(self, figure: Figure) -> None:
         """Draw the legend above the axes: policies and, for several worlds, their lines."""
-        handles = [self._handle(name, look) for name, look in self.looks().items()]
+        handles = [self._handle(name, look) for name, look in self.styles().items()]
         if len(self.worlds) > 1:
             handles += [
                 Line2D([], [], color=style.INK, linestyle=line, label=f"{world} world")
@@ -84,7 +84,7 @@ class Panel:
             handlelength=1.8,
         )
 
-    def _handle(self, name: str, look: style.Look) -> Line2D:
+    def _handle(self, name: str, look: style.PolicyStyle) -> Line2D:
         line = self.lines()[self.worlds[0]] if len(self.worlds) == 1 else "-"
         look_of: dict[str, Any] = {"color": look.colour, "linestyle": line, "marker": look.marker}
         return Line2D([], [], markersize=5, label=name, **look_of)
@@ -213,7 +213,7 @@ def house_style() -> Iterator[None]:
         yield
 
 
-def save_figure(folder: Path, picture: Picture) -> tuple[bytes, bytes]:
+def save_figure(folder: Path, picture: ReportFigure) -> tuple[bytes, bytes]:
     """Write ``<name>.png`` (150 dpi) and ``<name>.svg`` into the folder.
 
     Returns

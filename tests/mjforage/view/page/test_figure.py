@@ -7,7 +7,7 @@ import matplotlib as mpl
 import pytest
 from matplotlib.figure import Figure
 
-from mjforage.view.page.picture import (
+from mjforage.view.page.figure import (
     canvas,
     house_style,
     mathtext,
