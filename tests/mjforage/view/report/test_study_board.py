@@ -9,7 +9,7 @@ from scipy import stats
 
 from mjforage.graph_planner.policies import policy_names
 from mjforage.runs.costs import Cost
-from mjforage.view.page.style import policy_colour
+from mjforage.view.page.style import policy_colour, policy_styles
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.studies import board as page
 from mjforage.view.report.studies.board_figures import frontier_picture, profiles_picture

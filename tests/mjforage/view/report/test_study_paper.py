@@ -21,7 +21,7 @@ from mjforage.runs.study import Study, Variant, run_study, variant_folder
 from mjforage.runs.variants import corrupted_name
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.page.html import environment
-from mjforage.view.page.style import MARKERS
+from mjforage.view.page.style import MARKERS, policy_styles
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report import clearing
 from mjforage.view.report.curves import time_figures
