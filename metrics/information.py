@@ -172,14 +172,14 @@ def _mean_root(squares: FloatArray) -> FloatArray:
     return ratio(roots.sum(axis=-1), roots.shape[-1])
 
 
-def handover(discovered_at: ArrayLike, heard_at: ArrayLike, horizon: int) -> FloatArray:
+def handover(discovered_at: ArrayLike, received_at: ArrayLike, horizon: int) -> FloatArray:
     """Mean over the items discovered of the time until one who serves them knows, over T.
 
     Parameters
     ----------
     discovered_at : (..., item) [step], NaN = never
-    heard_at : (..., item) [step] when the first of those who serve items knew; NaN = never, which
-        counts as T
+    received_at : (..., item) [step] when the first of those who serve items knew; NaN = never,
+        which counts as T
     horizon : T [step]
 
     Returns
@@ -191,11 +191,11 @@ def handover(discovered_at: ArrayLike, heard_at: ArrayLike, horizon: int) -> Flo
     ValueError
         the shapes differ, an item is heard of before it is discovered, or the horizon is below 1.
     """
-    found, heard = np.asarray(discovered_at, np.float64), np.asarray(heard_at, np.float64)
-    same_shape("discovered_at", found, "heard_at", heard)
+    found, heard = np.asarray(discovered_at, np.float64), np.asarray(received_at, np.float64)
+    same_shape("discovered_at", found, "received_at", heard)
     last = float(whole_steps(horizon))
     if (heard < found).any():
-        raise ValueError("heard_at: an item is heard of before it is discovered")
+        raise ValueError("received_at: an item is heard of before it is discovered")
     waited = np.where(np.isnan(heard), last, np.minimum(heard, last)) - found
     known = ~np.isnan(found)
     return ratio(np.where(known, waited, 0.0).sum(axis=-1), known.sum(axis=-1) * last)

@@ -108,7 +108,7 @@ class Beliefs:
         """Bring tracks, drift and expectations of a row of a plain observation up to date."""
         now, store = int(seen.step[e]) - 1, self._store
         nodes = self._hypotheses.nodes(now)
-        if (seen.late_looks[e, :, 0] >= 0).any():
+        if (seen.delayed_scans[e, :, 0] >= 0).any():
             foragers_at = self._begin(seen, e)
             found = self._take_late(seen, e, now)
             sighted, drift = self._settle(seen, e, foragers_at), self.wind.mean[e]
@@ -148,7 +148,7 @@ class Beliefs:
 
     def _take_late(self, seen: Observation, e: int, now: int) -> Sequence[lt.Sighted]:
         """Take in looks of earlier steps heard just now, the oldest first; what they show first."""
-        late = seen.late_looks[e]
+        late = seen.delayed_scans[e]
         late = late[late[:, 0] >= 0]
         steps = late[:, 0]
         found = []
@@ -156,7 +156,7 @@ class Beliefs:
             looks = np.flatnonzero(steps == step)
             who, at = late[looks, 1].astype(np.int64), late[looks, 2]
             views, radius = self._task.views, self._task.radius_number[who]
-            lt.show(step, at, seen.late_shown[e, looks], radius, views, self._glance)
+            lt.show(step, at, seen.delayed_shown[e, looks], radius, views, self._glance)
             found.append(self._take_step(e, step, now, at, who))
         return found
 

@@ -84,7 +84,7 @@ class Connectivity:
 
     def note(self, seen: Observation, e: int) -> None:
         """Take note of who has been heard of."""
-        holder = int(seen.holder[e])
+        holder = int(seen.owner[e])
         if holder == NOBODY or self.always:
             return
         here = int(seen.agent_node[e, holder])
@@ -116,7 +116,7 @@ class Connectivity:
     def part(self, seen: Observation, e: int) -> NDArray[np.float64]:
         """(node,) what looking at each node is worth to a forager that looks alone."""
         number = self._collectors.size
-        mine = int(np.flatnonzero(self._collectors == seen.holder[e])[0])
+        mine = int(np.flatnonzero(self._collectors == seen.owner[e])[0])
         part = parts_of(self._graph, 0, number)
         return np.where(part == mine, 1.0, ELSEWHERE)
 
@@ -137,7 +137,7 @@ class Connectivity:
         ----------
         ways : of the relay
         """
-        holder, rows, cols = int(seen.holder[e]), self._graph.rows, self._graph.cols
+        holder, rows, cols = int(seen.owner[e]), self._graph.rows, self._graph.cols
         if not (self._relay and self._relays[holder] and self.reach > 0.0):
             return NOBODY
         others = np.delete(seen.agent_node[e], holder)
@@ -156,7 +156,7 @@ class Connectivity:
         born : (track,) steps in which the items that it knows of were first seen
         ways : of the scout
         """
-        holder, now = int(seen.holder[e]), int(seen.step[e]) - 1
+        holder, now = int(seen.owner[e]), int(seen.step[e]) - 1
         if not self._report or self.reach <= 0.0 or not born.size:
             return NOBODY
         here, target, least = int(seen.agent_node[e, holder]), NOBODY, np.inf

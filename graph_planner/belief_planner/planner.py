@@ -91,7 +91,7 @@ class BeliefPlanner:
         sighted = self.beliefs.spots.number[e] > 0
         self._target_values.list_items(e, int(seen.step[e]) - 1, self._foragers.items)
         room, energy, busy = seen.room_left[e], seen.energy_left[e], False
-        holder = int(seen.holder[e])  # whose move alone counts, unless it is nobody's
+        holder = int(seen.owner[e])  # whose move alone counts, unless it is nobody's
         if holder == NOBODY or self._task.fleet.collects[holder]:
             drift = self.beliefs.wind.mean[e : e + 1]
             busy = self._foragers.send(at, yaw, drift, room, energy, preferences) > 0
@@ -118,7 +118,7 @@ class BeliefPlanner:
 
     def _stay_connected(self, seen: Observation, e: int, busy: bool) -> None:
         """Send one who acts by itself to where it brings news, or waits for it, or looks alone."""
-        agent, connectivity, foragers = int(seen.holder[e]), self._connectivity, self._foragers
+        agent, connectivity, foragers = int(seen.owner[e]), self._connectivity, self._foragers
         group, goal = self._scouts.group, NOBODY
         if not self._task.fleet.collects[agent]:
             ways = group.ways_of(agent)

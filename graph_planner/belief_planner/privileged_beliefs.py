@@ -45,7 +45,9 @@ class PrivilegedBeliefs(Beliefs):
         self._past[e, now] = self._truth.item_node[e]
         self._hear(e, now, np.flatnonzero((seen.last_seen[e] == now) & (seen.belief[e] > 0)))
         views, radius_number = self._task.views, self._task.radius_number
-        for (step, agent, node), shown in zip(seen.late_looks[e], seen.late_shown[e], strict=True):
+        for (step, agent, node), shown in zip(
+            seen.delayed_scans[e], seen.delayed_shown[e], strict=True
+        ):
             if step >= 0:
                 nodes = views.of(node, int(radius_number[agent]))
                 self._hear(e, int(step), nodes[shown[: nodes.size] > 0])

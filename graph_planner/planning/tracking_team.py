@@ -114,7 +114,7 @@ class TrackingTeam:
             now, goals = int(observation.step[e]) - 1, self._goals
             self._target_values.list_items(e, now, self.collecting.items)
             goals[:] = NOWHERE
-            holder = int(observation.holder[e])  # whose move alone counts, unless it is nobody's
+            holder = int(observation.owner[e])  # whose move alone counts, unless it is nobody's
             collects = holder == NOBODY or bool(self._task.fleet.collects[holder])
             if collects:
                 give_goals(observation, e, goals)

@@ -8,7 +8,7 @@ are.
 It bounds the mean and not every episode: routes are found by a beam search, and they minimise the
 times at which items are met, not how many are met before the foragers' energy is spent.
 
-`oracle(heard=true)` acts by what each holder has heard, as policies do over a link: of the items
+`oracle(received=true)` acts by what each holder has heard, as policies do over a link: of the items
 that the looks it has heard of have shown it is told the truth, and their drift; it searches for the
 others, and keeps in touch, as the belief planner does. The belief planner's gap to it is what not
 knowing those items costs, its own gap to the oracle what searching and the link cost.
@@ -33,8 +33,8 @@ from mjforage.mission.task import GroundTruth, Observation, Task
 class OraclePolicy:
     """A bound, not a policy: foragers see every item and its drift; joint multi-item routes."""
 
-    def __init__(self, heard: bool = False) -> None:
-        self.decentralised = heard
+    def __init__(self, received: bool = False) -> None:
+        self.decentralised = received
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""

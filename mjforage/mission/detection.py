@@ -1,4 +1,4 @@
-"""How likely an item in view is to be detected, by its distance; and what a look that may miss or
+"""How likely an item in view is to be detected, by its distance; and what a scan that may miss or
 invent items leaves to expect.
 
 Distances are between the centres of nodes, so chances are listed by squared distance.
@@ -44,7 +44,7 @@ def chances_by_square(
 
 @inlined
 def corrected(density: float, chance: float, false_rate: float, seen: int) -> float:
-    """Items expected in a node after a look that showed some, from those expected before.
+    """Items expected in a node after a scan that showed some, from those expected before.
 
     (1 - p) D + c p D / (p D + f), the corrector of the probability hypothesis density filter
     (R. P. S. Mahler, IEEE Transactions on Aerospace and Electronic Systems 39, 2003); what is seen
@@ -64,7 +64,7 @@ def corrected(density: float, chance: float, false_rate: float, seen: int) -> fl
 
 @inlined
 def real_if_missed(real: float, chance: float) -> float:
-    """Chance that an item is there that a look has not shown, from the chance before.
+    """Chance that an item is there that a scan has not shown, from the chance before.
 
     r (1 - p) / (1 - r p) (Musicki, Evans and Stankovic, IEEE Transactions on Automatic Control 39,
     1994).
@@ -79,7 +79,7 @@ def real_if_missed(real: float, chance: float) -> float:
 
 @inlined
 def real_if_seen(real: float, chance: float, false_rate: float) -> float:
-    """The same of one that a look has shown: r p / (r p + (1 - r) f)."""
+    """The same of one that a scan has shown: r p / (r p + (1 - r) f)."""
     shows = real * chance
     return shows / (shows + (1.0 - real) * false_rate) if shows > 0.0 else 0.0
 

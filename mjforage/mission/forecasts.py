@@ -26,9 +26,9 @@ def _add(
     """Add forecasts (row, node) of episodes that go on to their sums (row, bin, 4); False if one is
     no number of items.
     """
-    holders, bins = expected.shape[0] // max(1, active.size), sums.shape[1]
+    owners, bins = expected.shape[0] // max(1, active.size), sums.shape[1]
     for row in range(expected.shape[0]):
-        e = row // max(1, holders)
+        e = row // max(1, owners)
         if not active[e]:
             continue
         for node in range(expected.shape[1]):
@@ -48,7 +48,7 @@ class Forecasts:
     """How a batch of episodes came true so far."""
 
     def __init__(self, episodes: int) -> None:
-        self._by_row = np.zeros((episodes, 1, metrics.BINS, 4))  # (episode, holder, bin, 4)
+        self._by_row = np.zeros((episodes, 1, metrics.BINS, 4))  # (episode, owner, bin, 4)
 
     @property
     def sums(self) -> NDArray[np.float64]:
@@ -89,14 +89,14 @@ class Forecasts:
         if not _add(np.ascontiguousarray(expected, np.float64), truth, active, sums):
             raise UserError(f"{who}: forecast gives items that are negative or NaN; give 0 or more")
 
-    def adopt(self, rows: NDArray[np.int64], other: "Forecasts") -> None:
+    def replace_episodes(self, rows: NDArray[np.int64], other: "Forecasts") -> None:
         """Replace episodes (row,) of the batch by those of another."""
         self._widen(other._by_row.shape[1])
         self._by_row = scatter_rows(self._by_row, rows, other._by_row)
 
-    def _widen(self, holders: int) -> None:
+    def _widen(self, owners: int) -> None:
         """Make room for so many that forecast in an episode."""
-        if self._by_row.shape[1] < holders:
-            wider = np.zeros((len(self._by_row), holders, *self._by_row.shape[2:]))
+        if self._by_row.shape[1] < owners:
+            wider = np.zeros((len(self._by_row), owners, *self._by_row.shape[2:]))
             wider[:, : self._by_row.shape[1]] = self._by_row
             self._by_row = wider

@@ -97,7 +97,7 @@ class GraphDynamics:
     def _begin(self, state: Transition) -> None:
         self._state, self._move = state, BoundKernel(_move, self._centres, self._yaw, state)
 
-    def adopt(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
+    def replace_episodes(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
         """Replace episodes (row,) of the batch by those of another one; returns the new state."""
         nobody = {"item_node", "collected_by"}
         mine, theirs = self._state, other._state
@@ -111,7 +111,7 @@ class GraphDynamics:
                 )
             )
         )
-        self._items.adopt(rows, other._items, self._state)
+        self._items.replace_episodes(rows, other._items, self._state)
         return self._state
 
     def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:

@@ -294,7 +294,9 @@ class ItemRule:
         else:
             self.advance = BoundKernel(_advance_by_chance, self._chances, stays, *fixed)
 
-    def adopt(self, rows: NDArray[np.int64], other: "ItemRule", state: Transition) -> None:
+    def replace_episodes(
+        self, rows: NDArray[np.int64], other: "ItemRule", state: Transition
+    ) -> None:
         """Replace episodes (row,) of the batch by those of another one.
 
         Parameters

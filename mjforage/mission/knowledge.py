@@ -1,7 +1,7 @@
-"""Who knows what: what was last seen in each node and when, and where everybody was last heard of.
+"""Who knows what: what was last seen in each node and when, and where everybody was last received.
 
-A row is what one holder of one episode knows: all that it has heard of the agents' looks, and
-nothing else. With ideal communication an episode has one holder, and what it knows all agents know.
+A row is what one owner of one episode knows: all that it has received the agents' scans, and
+nothing else. With ideal communication an episode has one owner, and what it knows all agents know.
 """
 
 from typing import NamedTuple
@@ -16,39 +16,39 @@ from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import NEVER
 
 
-class Looks(NamedTuple):
+class Scans(NamedTuple):
     """What all agents see and say of themselves at the end of a step. Live views."""
 
-    active: NDArray[np.bool_]  # (episode,) whose step it was; nobody looks in the others
+    active: NDArray[np.bool_]  # (episode,) whose step it was; nobody scans in the others
     step: Int32Array  # (episode,)
-    agent_node: Int32Array  # (episode, agent) from where each looks
-    sighted: NDArray[np.int16]  # (episode, node) items, all of which a perfect look shows
-    shown: NDArray[np.int16]  # (episode, agent, place) items that a look shows in the nodes of its
-    # list, negative where it does not look; no places where looks are perfect
+    agent_node: Int32Array  # (episode, agent) from where each scans
+    sighted: NDArray[np.int16]  # (episode, node) items, all of which a perfect scan shows
+    shown: NDArray[np.int16]  # (episode, agent, place) items that a scan shows in the nodes of its
+    # list, negative where it does not scan; no places where scans are perfect
     energy_left: NDArray[np.float64]  # (episode, agent) [node]
     room_left: NDArray[np.int64]  # (episode, agent) items, `UNLIMITED` if any number
     taken: NDArray[np.int64]  # (episode, agent) items taken aboard so far
     pickup: NDArray[np.int8]  # (episode, agent) how picking up ended in the step, see `PICKUPS`
     agent_yaw: NDArray[np.float64]  # (episode, agent) [rad], see `Observation`
 
-    def plain(self) -> "Looks":
+    def plain(self) -> "Scans":
         """The same with arrays of the types above, one item beside the other, for kernels."""
-        return Looks(*map(np.ascontiguousarray, self, _TYPES))
+        return Scans(*map(np.ascontiguousarray, self, _TYPES))
 
 
 _TYPES = ("?", "i4", "i4", "i2", "i2", "f8", "i8", "i8", "i1", "f8")  # of its fields
 
 
 class Knowledge(NamedTuple):
-    """What holders know. Row `episode * holders + holder` of every array."""
+    """What owners know. Row `episode * owners + owner` of every array."""
 
     belief: NDArray[np.int16]  # (row, node) items when the node was last seen
     last_seen: NDArray[np.int16]  # (row, node) step, NEVER if not yet
     known: Int32Array  # (row, node) nodes with belief > 0, the first `n_known` entries
     known_at: Int32Array  # (row, node) place of a node in `known`
     n_known: Int32Array  # (row,)
-    agent_node: Int32Array  # (row, agent) from where its last look heard of was made
-    agent_seen: Int32Array  # (row, agent) step of that look
+    agent_node: Int32Array  # (row, agent) from where its last scan received was made
+    agent_seen: Int32Array  # (row, agent) step of that scan
     energy_left: NDArray[np.float64]  # (row, agent) as of then [node]
     room_left: NDArray[np.int64]  # (row, agent) as of then, items
     taken: NDArray[np.int64]  # (row, agent) by then, items
@@ -56,29 +56,29 @@ class Knowledge(NamedTuple):
     agent_yaw: NDArray[np.float64]  # (row, agent) then [rad]
 
     @classmethod
-    def of_starts(cls, looks: Looks, nodes: int, holders: int = 1) -> "Knowledge":
+    def of_starts(cls, scans: Scans, nodes: int, owners: int = 1) -> "Knowledge":
         """Nothing seen yet; where everybody starts is known to all.
 
         Parameters
         ----------
-        looks : of step 0
+        scans : of step 0
         nodes : of the map
-        holders : rows per episode
+        owners : rows per episode
         """
-        rows = looks.step.size * holders
+        rows = scans.step.size * owners
         return cls(
             belief=np.zeros((rows, nodes), np.int16),
             last_seen=np.full((rows, nodes), NEVER, np.int16),
             known=np.zeros((rows, nodes), np.int32),
             known_at=np.zeros((rows, nodes), np.int32),
             n_known=np.zeros(rows, np.int32),
-            agent_node=np.repeat(looks.agent_node, holders, axis=0),
-            agent_seen=np.zeros((rows, looks.agent_node.shape[1]), np.int32),
-            energy_left=np.repeat(looks.energy_left, holders, axis=0),
-            room_left=np.repeat(looks.room_left, holders, axis=0),
-            taken=np.repeat(looks.taken, holders, axis=0),
-            pickup=np.repeat(looks.pickup, holders, axis=0),
-            agent_yaw=np.repeat(looks.agent_yaw, holders, axis=0),
+            agent_node=np.repeat(scans.agent_node, owners, axis=0),
+            agent_seen=np.zeros((rows, scans.agent_node.shape[1]), np.int32),
+            energy_left=np.repeat(scans.energy_left, owners, axis=0),
+            room_left=np.repeat(scans.room_left, owners, axis=0),
+            taken=np.repeat(scans.taken, owners, axis=0),
+            pickup=np.repeat(scans.pickup, owners, axis=0),
+            agent_yaw=np.repeat(scans.agent_yaw, owners, axis=0),
         )
 
     def with_rows(self, rows: NDArray[np.int64], other: "Knowledge") -> "Knowledge":
@@ -98,7 +98,7 @@ def believe(
     node: np.uint64,
     items: int,
 ) -> None:
-    """Set what a holder believes of a node, and keep its list of those with items.
+    """Set what an owner believes of a node, and keep its list of those with items.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def believe(
 
 
 @inlined
-def take_shown(
+def receive_counts(
     belief: NDArray[np.int16],
     last_seen: NDArray[np.int16],
     known: Int32Array,
@@ -130,14 +130,14 @@ def take_shown(
     first: int,
     shown: NDArray[np.int16],
 ) -> None:
-    """Let a holder know what a look has shown; of looks of one step, the larger count.
+    """Let an owner know what a scan has shown; of scans of one step, the larger count.
 
     Parameters
     ----------
     belief, last_seen, known, known_at, n_known : of a `Knowledge`; changed in this row
-    step : of the look
+    step : of the scan
     nodes, first : its list of nodes begins at `nodes[first]`
-    shown : (place,) items in them, negative where it did not look
+    shown : (place,) items in them, negative where it did not scan
     """
     for i in range(shown.size):
         items = shown[i]
@@ -152,48 +152,48 @@ def take_shown(
 
 
 @kernel
-def hear(
-    looks: Looks,
-    heard: NDArray[np.bool_],
+def receive(
+    scans: Scans,
+    received: NDArray[np.bool_],
     views: NodeLists,
     radius_number: NDArray[np.int64],
     knowledge: Knowledge,
 ) -> None:
-    """Take in the looks of this step: idleness ends and belief becomes what the look shows.
+    """Take in the scans of this step: idleness ends and belief becomes what the scan shows.
 
     Parameters
     ----------
-    heard : (row, agent) whose look each holder hears of
+    received : (row, agent) whose scan each owner receives
     views, radius_number : what an agent sees from a node, see `Task`
     knowledge : changed in the rows of active episodes
     """
-    active, step, at, sighted = looks.active, looks.step, looks.agent_node, looks.sighted
-    energy, room, taken, pickup = looks.energy_left, looks.room_left, looks.taken, looks.pickup
+    active, step, at, sighted = scans.active, scans.step, scans.agent_node, scans.sighted
+    energy, room, taken, pickup = scans.energy_left, scans.room_left, scans.taken, scans.pickup
     start, nodes = views.start, views.nodes
     belief, last_seen = knowledge.belief, knowledge.last_seen
     known, known_at, n_known = knowledge.known, knowledge.known_at, knowledge.n_known
     agent_node, agent_seen = knowledge.agent_node, knowledge.agent_seen
-    perfect = looks.shown.shape[2] == 0
+    perfect = scans.shown.shape[2] == 0
     energy_left, room_left = knowledge.energy_left, knowledge.room_left
     taken_by_then, pickup_then = knowledge.taken, knowledge.pickup
-    holders = heard.shape[0] // max(1, active.size)
-    for row in range(heard.shape[0]):
-        e = row // holders
+    owners = received.shape[0] // max(1, active.size)
+    for row in range(received.shape[0]):
+        e = row // owners
         if not active[e]:
             continue
         now = np.int16(step[e])
         for agent in range(radius_number.size):
-            if not heard[row, agent]:
+            if not received[row, agent]:
                 continue
             radius, viewer = radius_number[agent], at[e, agent]
             agent_node[row, agent], agent_seen[row, agent] = viewer, step[e]
             energy_left[row, agent], room_left[row, agent] = energy[e, agent], room[e, agent]
             taken_by_then[row, agent], pickup_then[row, agent] = taken[e, agent], pickup[e, agent]
-            knowledge.agent_yaw[row, agent] = looks.agent_yaw[e, agent]
+            knowledge.agent_yaw[row, agent] = scans.agent_yaw[e, agent]
             first, end = start[radius, viewer], start[radius, viewer + 1]
             if not perfect:
-                shown = looks.shown[e, agent, : end - first]
-                take_shown(
+                shown = scans.shown[e, agent, : end - first]
+                receive_counts(
                     belief, last_seen, known, known_at, n_known, row, step[e], nodes, first, shown
                 )
                 continue
@@ -242,7 +242,7 @@ def times_seen(
     ----------
     agent_node : (episode, agent) where all agents are
     views, radius_number : what an agent sees from a node, see `Task`
-    shown : (episode, agent, place) negative where an agent does not look; see `Looks`
+    shown : (episode, agent, place) negative where an agent does not scan; see `Scans`
     """
     start, nodes, perfect = views.start, views.nodes, shown.shape[2] == 0
     out = np.zeros((agent_node.shape[0], start.shape[1] - 1), np.uint8)

@@ -1,7 +1,7 @@
 """The truth and its history: which item is where, who saw it first, who took it, and when.
 
 Metrics and bounds read it; policies never do. Order within a step (scenario section 1): discretise
-to counts per node; agents look; first discoveries are credited at the look, whoever hears of it,
+to counts per node; agents scan; first discoveries are credited at the scan, whoever receives it,
 and a tie goes to an agent that does not collect.
 """
 
@@ -16,7 +16,7 @@ from mjforage.base.views import ReadOnlyViews
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.initial_state import item_places
-from mjforage.mission.knowledge import Knowledge, Looks
+from mjforage.mission.knowledge import Knowledge, Scans
 from mjforage.mission.task import Task
 
 
@@ -70,7 +70,7 @@ def count(
 
 @kernel
 def credit(
-    looks: Looks,
+    scans: Scans,
     knowledge: Knowledge,
     credit_order: NDArray[np.int64],
     views: NodeLists,
@@ -83,11 +83,11 @@ def credit(
 
     Parameters
     ----------
-    knowledge : of one who has heard all looks of this step, one row per episode
+    knowledge : of one who has received all scans of this step, one row per episode
     in_view : (node,) memory, all False before and after
     found : (item,) memory
     """
-    active, step, agent_node = looks.active, looks.step, looks.agent_node
+    active, step, agent_node = scans.active, scans.step, scans.agent_node
     known, n_known, last_seen = knowledge.known, knowledge.n_known, knowledge.last_seen
     start, nodes, counted_node = views.start, views.nodes, entries.counted_node
     places = entries.places
@@ -120,7 +120,7 @@ def credit(
 
 
 class Ledger(ReadOnlyViews):
-    """The ledger of a batch of episodes; see `Entries` for the arrays, `Lookout` for their life."""
+    """The ledger of a batch of episodes; `SensingUpdate` changes its arrays, see `Entries`."""
 
     entries: Entries
     _entries: Entries
@@ -134,7 +134,7 @@ class Ledger(ReadOnlyViews):
         return self._entries
 
     def reset(self, item_node: Int32Array) -> None:
-        """Start a batch of episodes; the look of step 0 comes next.
+        """Start a batch of episodes; the scan of step 0 comes next.
 
         Parameters
         ----------
@@ -152,7 +152,7 @@ class Ledger(ReadOnlyViews):
         )
         self._show("entries", entries)
 
-    def adopt(self, rows: NDArray[np.int64], other: "Ledger") -> None:
+    def replace_episodes(self, rows: NDArray[np.int64], other: "Ledger") -> None:
         """Replace episodes (row,) of the batch by those of another ledger."""
         mine, theirs = self._entries, other._entries
         mixed: dict[str, Any] = {  # `truth` is filled with 0, others with nobody, nowhere and never

@@ -1,8 +1,9 @@
-"""A map that weighs all looks: items expected in every node, and of those the nearest whole number.
+"""A map that weighs all scans: items expected in every node, and of those the nearest whole number.
 
-Where looks miss and invent items the last count is not the best guess. Every holder keeps the items
-expected in each node; all looks of a step correct them once (they detect or miss an item together),
-by the best chance and the largest count. Late looks are taken in by starting again from the first.
+Where scans miss and invent items the last count is not the best guess. Every owner keeps the items
+expected in each node; all scans of a step correct them once (they detect or miss an item together),
+by the best chance and the largest count. A delayed scan makes it start again from
+the first.
 """
 
 from typing import NamedTuple
@@ -32,7 +33,7 @@ class MapFilter(NamedTuple):
     radius_number: NDArray[np.int64]  # (agent,)
     rows: Int32Array  # (node,)
     cols: Int32Array
-    counted: NDArray[np.int16]  # (node,) memory: largest count of the step's looks, `NOT_SEEN`
+    counted: NDArray[np.int16]  # (node,) memory: largest count of the step's scans, `NOT_SEEN`
     best: NDArray[np.float64]  # (node,) memory: largest chance of them
 
     def with_rows(self, rows: NDArray[np.int64], other: "MapFilter") -> "MapFilter":
@@ -44,12 +45,12 @@ class MapFilter(NamedTuple):
 
 @kernel
 def glimpse(filtered: MapFilter, agent: int, viewer: int, shown: NDArray[np.int16]) -> None:
-    """Add a look to those of the step at hand.
+    """Add a scan to those of the step at hand.
 
     Parameters
     ----------
-    agent, viewer : whose look, and the node where it was made
-    shown : (place,) items in the nodes of its list, negative where it did not look
+    agent, viewer : whose scan, and the node where it was made
+    shown : (place,) items in the nodes of its list, negative where it did not scan
     """
     radius = filtered.radius_number[agent]
     first, nodes = filtered.views.start[radius, viewer], filtered.views.nodes
@@ -67,7 +68,7 @@ def glimpse(filtered: MapFilter, agent: int, viewer: int, shown: NDArray[np.int1
 
 @kernel
 def correct(filtered: MapFilter, row: int) -> None:
-    """Correct a row's map by the looks of the step at hand, which is then over."""
+    """Correct a row's map by the scans of the step at hand, which is then over."""
     counted, density = filtered.counted, filtered.density
     for node in range(counted.size):
         if counted[node] != NOT_SEEN:

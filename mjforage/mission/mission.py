@@ -21,15 +21,15 @@ from mjforage.mission.dynamics import Dynamics, Transition, goes_on, mean_drift,
 from mjforage.mission.exchange import Exchange
 from mjforage.mission.forecasts import Forecasts
 from mjforage.mission.graph_dynamics import GraphDynamics
-from mjforage.mission.knowledge import Knowledge, Looks, idleness, times_seen
+from mjforage.mission.knowledge import Knowledge, Scans, idleness, times_seen
 from mjforage.mission.ledger import Ledger
 from mjforage.mission.link import exchange_of
-from mjforage.mission.looking import Lookout
 from mjforage.mission.moves import Moves, Resolver, check_preferences
 from mjforage.mission.policy import Policy, UpperBound
 from mjforage.mission.sensing import map_filter, no_shown
+from mjforage.mission.sensing_update import SensingUpdate
 from mjforage.mission.setup import Setup
-from mjforage.mission.task import GroundTruth, Late, Observation, nothing_late
+from mjforage.mission.task import DelayedScans, GroundTruth, Observation, no_delayed_scans
 from mjforage.scenario.fleet import UNLIMITED
 
 _ONE = np.ones(1, np.int32)
@@ -68,7 +68,7 @@ class Mission(ReadOnlyViews):
         Parameters
         ----------
         dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
-        exchange : how looks reach those who decide; absent: over the scenario's link
+        exchange : how scans reach those who decide; absent: over the scenario's link
 
         Raises
         ------
@@ -126,25 +126,25 @@ class Mission(ReadOnlyViews):
         self._shown = no_shown(self.task, keys.size, sensors.perfect)
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
         self._show("knowledge", Knowledge.of_starts(self._looks(), len(self.setup.graph)))
-        self._post_lookout()
+        self._renew_sensing_update()
         self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
-        self._acting = read_only(np.tile(self._agent_of_holder(), keys.size))
-        self._held_keys = read_only(np.repeat(self.keys, self.exchange.holders))
+        self._acting = read_only(np.tile(self._agent_of_owner(), keys.size))
+        self._held_keys = read_only(np.repeat(self.keys, self.exchange.owners))
         self._nobody = read_only(np.full(keys.size, -1, np.int32))
-        self._nothing_late = read_only(nothing_late(keys.size))
+        self._no_delayed = read_only(no_delayed_scans(keys.size))
         self.forecasts = Forecasts(keys.size)
 
-    def _agent_of_holder(self) -> Int32Array:
-        """(holder,) the agent that acts by what a holder knows, -1 if several do."""
-        holder_of = self.exchange.holder_of
-        alone = np.bincount(holder_of, minlength=self.exchange.holders) == 1
-        agent = np.zeros(self.exchange.holders, np.int32)
-        agent[holder_of] = np.arange(holder_of.size)
+    def _agent_of_owner(self) -> Int32Array:
+        """(owner,) the agent that acts by what an owner knows, -1 if several do."""
+        owner_of = self.exchange.owner_of
+        alone = np.bincount(owner_of, minlength=self.exchange.owners) == 1
+        agent = np.zeros(self.exchange.owners, np.int32)
+        agent[owner_of] = np.arange(owner_of.size)
         return np.where(alone, agent, np.int32(-1)).astype(np.int32)
 
-    def _looks(self) -> Looks:
+    def _looks(self) -> Scans:
         """What all agents see now and say of themselves."""
-        return Looks(
+        return Scans(
             active=self.active,
             step=self.step,
             agent_node=self._state.agent_node,
@@ -157,16 +157,16 @@ class Mission(ReadOnlyViews):
             agent_yaw=self._state.agent_yaw,
         )
 
-    def _see(self) -> Looks:
-        """All agents look: the fleet's knowledge and the ledger come up to date."""
-        looks = self._looks()
-        self._lookout.look(looks, self._state.item_node, self._state.collected_by)
-        return looks
+    def _see(self) -> Scans:
+        """All agents scan: the fleet's knowledge and the ledger come up to date."""
+        scans = self._looks()
+        self._sensing_update.scan(scans, self._state.item_node, self._state.collected_by)
+        return scans
 
-    def _post_lookout(self) -> None:
+    def _renew_sensing_update(self) -> None:
         about = self.task, self.setup.scenario.sensors, self.keys
         kept = self.ledger.open(), self._knowledge, self._filtered
-        self._lookout = Lookout(*about, *kept)
+        self._sensing_update = SensingUpdate(*about, *kept)
 
     def _begin_step(self, step: Int32Array) -> None:
         """Set (episode,) the steps made so far, and that to be decided next."""
@@ -177,7 +177,7 @@ class Mission(ReadOnlyViews):
         """What the last decision came to; None before the first."""
         return None if self._moves is None else read_only(self._moves)
 
-    def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
+    def replace_episodes(self, rows: NDArray[np.int64], other: "Mission") -> None:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
 
         So a batch goes on while some of its episodes are over, as vector environments ask. The
@@ -186,19 +186,19 @@ class Mission(ReadOnlyViews):
         assert isinstance(self._dynamics, GraphDynamics) and isinstance(
             other._dynamics, GraphDynamics
         )
-        self._show("state", self._dynamics.adopt(rows, other._dynamics))
-        self.ledger.adopt(rows, other.ledger)
+        self._show("state", self._dynamics.replace_episodes(rows, other._dynamics))
+        self.ledger.replace_episodes(rows, other.ledger)
         self._show("knowledge", self._knowledge.with_rows(rows, other._knowledge))
-        self.exchange.adopt(rows, other.exchange, self._knowledge)
+        self.exchange.replace_episodes(rows, other.exchange, self._knowledge)
         self._shown = scatter_rows(self._shown, rows, other._shown)
-        self.forecasts.adopt(rows, other.forecasts)
+        self.forecasts.replace_episodes(rows, other.forecasts)
         self._filtered = self._filtered.with_rows(rows, other._filtered)
         self._begin_step(scatter_rows(self.step, rows, other.step))
         for name in ("keys", "active"):
             mixed = scatter_rows(getattr(self, name), rows, getattr(other, name))
             setattr(self, name, read_only(mixed))
-        self._held_keys = read_only(np.repeat(self.keys, self.exchange.holders))
-        self._post_lookout()
+        self._held_keys = read_only(np.repeat(self.keys, self.exchange.owners))
+        self._renew_sensing_update()
 
     @property
     def energy_left(self) -> NDArray[np.float64]:
@@ -233,24 +233,24 @@ class Mission(ReadOnlyViews):
     @property
     def observation(self) -> Observation:
         """What the fleet knows together before the next decision: one row per episode."""
-        return self._observed(self.knowledge, self._nothing_late, 1)
+        return self._observed(self.knowledge, self._no_delayed, 1)
 
     @property
     def held(self) -> Observation:
-        """What those who decide know before the next decision: (episode x holder) rows."""
+        """What those who decide know before the next decision: (episode x owner) rows."""
         exchange = self.exchange
         knowledge = self._lent_held.of(exchange.knowledge)
-        return self._observed(knowledge, exchange.late, exchange.holders)
+        return self._observed(knowledge, exchange.delayed, exchange.owners)
 
-    def _observed(self, knowledge: Knowledge, late: Late, holders: int) -> Observation:
-        """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
+    def _observed(self, knowledge: Knowledge, delayed: DelayedScans, owners: int) -> Observation:
+        """Knowledge as a policy sees it, the episodes' arrays once for each owner."""
         active, step, keys = self.active, self._next_step, self.keys
-        if holders > 1:
-            active, step = (read_only(np.repeat(each, holders)) for each in (active, step))
+        if owners > 1:
+            active, step = (read_only(np.repeat(each, owners)) for each in (active, step))
             keys = self._held_keys
-        holder = self._acting if holders > 1 else self._nobody
+        owner = self._acting if owners > 1 else self._nobody
         told = _TOLD(knowledge)
-        return Observation._make((active, step, keys, *told, late.looks, late.shown, holder))
+        return Observation._make((active, step, keys, *told, delayed.scans, delayed.shown, owner))
 
     @property
     def truth(self) -> GroundTruth:
@@ -283,11 +283,11 @@ class Mission(ReadOnlyViews):
         return times_seen(at, agents, *about)
 
     def prepare(self, policy: Policy) -> None:
-        """Get a policy ready for the batch: it decides once for each holder, a bound for each
+        """Get a policy ready for the batch: it decides once for each owner, a bound for each
         episode unless it is `decentralised`.
         """
         pooled = isinstance(policy, UpperBound) and not getattr(policy, "decentralised", False)
-        policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.holders))
+        policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.owners))
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:
         """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.
@@ -305,20 +305,20 @@ class Mission(ReadOnlyViews):
             policy, "set_ground_truth", None
         )  # `isinstance` of a protocol takes 25 us
         decentralised = set_ground_truth is None or getattr(policy, "decentralised", False)
-        holders, holder_of = self.exchange.holders if decentralised else 1, self.exchange.holder_of
+        owners, owner_of = self.exchange.owners if decentralised else 1, self.exchange.owner_of
         if set_ground_truth is not None:
             truth = self.truth
-            rows = truth if holders == 1 else (np.repeat(a, holders, 0) for a in truth)
+            rows = truth if owners == 1 else (np.repeat(a, owners, 0) for a in truth)
             set_ground_truth(read_only(GroundTruth._make(rows)))
         answer = policy.act(self.held if decentralised else self.observation)
         forecast = getattr(policy, "forecast", None)
         if forecast is not None:
             self.forecasts.take(forecast(), self.ledger.open().truth, self.active, who)
-        check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
-        if holders == 1:
+        check_preferences(answer, (self.keys.size * owners, owner_of.size), who)
+        if owners == 1:
             return answer
-        each = answer.reshape(self.keys.size, holders, *answer.shape[1:])
-        own: NDArray[np.float64] = each[:, holder_of, np.arange(holder_of.size)]
+        each = answer.reshape(self.keys.size, owners, *answer.shape[1:])
+        own: NDArray[np.float64] = each[:, owner_of, np.arange(owner_of.size)]
         return own
 
     def decide(self, preferences: NDArray[np.float64]) -> Moves:
@@ -331,7 +331,7 @@ class Mission(ReadOnlyViews):
             self.exchange.knowledge.belief,
             self._next_step,
             self.keys,
-            self.exchange.holder_of,
+            self.exchange.owner_of,
             self._asked,
         )
 
@@ -352,7 +352,7 @@ class Mission(ReadOnlyViews):
         state = self._dynamics.advance(self.active, self.step, self._moves)
         if state is not self._state:
             self._show("state", state)
-        self.exchange.tell(self._see(), self._knowledge)
+        self.exchange.update(self._see(), self._knowledge)
         item_node = np.ascontiguousarray(self._state.item_node, np.int32)
         self.active = view_of(self._go_on(self.active, self.step, item_node))
         return self.state
@@ -380,7 +380,7 @@ def _check_capabilities(setup: Setup, exchange: Exchange) -> None:
 
 
 class Observer:
-    """Something that looks at a mission after its reset and after every step."""
+    """Something that scans at a mission after its reset and after every step."""
 
     def see(self, mission: Mission) -> None:
         """Take what is wanted from the mission; its arrays are live: copy what shall last."""

@@ -66,8 +66,8 @@ class Ask(NamedTuple):
     preferences: NDArray[np.float64]  # (episode, agent, 9)
     agent_node: Int32Array  # (episode, agent)
     energy_left: NDArray[np.float64]  # (episode, agent) [node]
-    belief: NDArray[np.int16]  # (episode x holder, node)
-    holder_of: NDArray[np.int64]  # (agent,)
+    belief: NDArray[np.int16]  # (episode x owner, node)
+    owner_of: NDArray[np.int64]  # (agent,)
     decision: Int32Array  # (episode,) 1 for the first
     keys: UInt64Array  # (episode,)
 
@@ -194,7 +194,7 @@ def _resolve(
     if _has_nan(ask.preferences):
         return False
     active, preferences, agent_node = ask.active, ask.preferences, ask.agent_node
-    energy_left, belief, holder_of = ask.energy_left, ask.belief, ask.holder_of
+    energy_left, belief, owner_of = ask.energy_left, ask.belief, ask.owner_of
     decision, keys, neighbours = ask.decision, ask.keys, movers.neighbours
     strides, shut = movers.moves, movers.shut
     collects, order = movers.collects, movers.order
@@ -202,7 +202,7 @@ def _resolve(
     epsilon, whole_team = corruption.epsilon, corruption.whole_team
     direction, target, steps, blocked = moves
     n_episodes, n_agents = agent_node.shape
-    holders = belief.shape[0] // max(1, n_episodes)
+    owners = belief.shape[0] // max(1, n_episodes)
     legal = np.empty(9, np.int64)
     for e in range(n_episodes):
         if not active[e]:
@@ -219,7 +219,7 @@ def _resolve(
             if epsilon[agent] > 0.0:
                 draw = uniform(key, -1 if whole_team else agent, decision[e])
             if draw < epsilon[agent]:
-                n_legal, n_known, row = 0, 0, e * holders + holder_of[agent]
+                n_legal, n_known, row = 0, 0, e * owners + owner_of[agent]
                 for d in range(9):
                     end, length = free_move(
                         neighbours, claimed, token, node, d, stride, stay, shorten
@@ -302,7 +302,7 @@ class Resolver:
         movers = Movers(graph.neighbours, fleet.moves, shut, *about)
         claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
         self._resolve = BoundKernel(_resolve, movers, corruption, claimed)
-        self._one_holder, self._token = np.zeros(len(fleet), np.int64), 1
+        self._one_owner, self._token = np.zeros(len(fleet), np.int64), 1
 
     def __call__(
         self,
@@ -313,7 +313,7 @@ class Resolver:
         belief: NDArray[np.int16],
         step: Int32Array,
         keys: UInt64Array,
-        holder_of: NDArray[np.int64] | None = None,
+        owner_of: NDArray[np.int64] | None = None,
         who: str = "policy",
     ) -> Moves:
         """Resolve one step of a batch.
@@ -325,10 +325,10 @@ class Resolver:
             An illegal move, or one to or through a node chosen earlier, is never taken.
         agent_node : (episode, agent)
         energy_left : (episode, agent) distance that can still be travelled [node]
-        belief : (episode x holder, node) believed items; read by the whole-team corruption only
+        belief : (episode x owner, node) believed items; read by the whole-team corruption only
         step : (episode,) decision number, 1 for the first
         keys : (episode,) episode keys
-        holder_of : (agent,) by whose belief each agent acts; absent: one holder for all
+        owner_of : (agent,) by whose belief each agent acts; absent: one owner for all
         who : prefers so, for messages
 
         Raises
@@ -343,7 +343,7 @@ class Resolver:
             steps=np.empty(agent_node.shape, np.int8),
             blocked=np.empty(agent_node.shape, np.bool_),
         )
-        acts_by = self._one_holder if holder_of is None else holder_of
+        acts_by = self._one_owner if owner_of is None else owner_of
         given = (active, preferences, agent_node, energy_left, belief, acts_by, step, keys)
         ask = Ask(*map(np.ascontiguousarray, given, _ASK_TYPES))
         if not self._resolve(ask, self._token, moves):

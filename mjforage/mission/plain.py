@@ -1,4 +1,4 @@
-"""Observations and truths as kernels need them, which index by their numbers without a look.
+"""Observations and truths as kernels need them, which index by their numbers without a scan.
 
 A mission's own are read-only and sound. What somebody else made is converted and checked.
 """
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.mission.look_log import widest_view
+from mjforage.mission.scan_log import widest_view
 from mjforage.mission.task import PICKUPS, GroundTruth, Observation, Task
 
 _TYPES = tuple(
@@ -51,12 +51,12 @@ class Plain:
         UserError
             If it is not of the task or of so many rows, or holds a number that is no node or agent.
         """
-        active, step, *kept, late_looks, late_shown, holder = observation
+        active, step, *kept, delayed_scans, delayed_shown, owner = observation
         if (
-            all(map(is_, (holder, *kept), self._looked_at))
+            all(map(is_, (owner, *kept), self._looked_at))
             and active.shape == step.shape == (self._rows,)
-            and len(late_looks) == len(late_shown) == self._rows
-            and all(map(_is_lent, (active, step, late_looks, late_shown), _FRESH))
+            and len(delayed_scans) == len(delayed_shown) == self._rows
+            and all(map(_is_lent, (active, step, delayed_scans, delayed_shown), _FRESH))
         ):
             return observation
         return self._look(observation)
@@ -66,11 +66,11 @@ class Plain:
         if not all(map(_is_lent, observation, _TYPES)):
             return _checked(observation, self._task, self._rows)
         _check_shapes(observation, self._task, self._rows)
-        self._looked_at = observation.holder, *observation[2:14]
+        self._looked_at = observation.owner, *observation[2:14]
         return observation
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy looks anew."""
+        """A copy scans anew."""
         return Plain, (self._task, self._rows)
 
 
@@ -95,7 +95,7 @@ def _checked(observation: Observation, task: Task, rows: int) -> Observation:
     """As `Plain`, of what may be anything."""
     _check_shapes(observation, task, rows)
     nodes, agents = len(task.graph), len(task.fleet)
-    late, node = observation.late_looks, nodes - 1
+    delayed, node = observation.delayed_scans, nodes - 1
     ranges: dict[str, tuple[Any, float, float]] = {
         "step": (observation.step, 1, task.horizon + 1),
         "agent_node": (observation.agent_node, 0, node),
@@ -105,10 +105,10 @@ def _checked(observation: Observation, task: Task, rows: int) -> Observation:
         "n_known": (observation.n_known, 0, nodes),
         "agent_seen": (observation.agent_seen, -1, task.horizon),
         "pickup": (observation.pickup, 0, len(PICKUPS) - 1),
-        "holder": (observation.holder, -1, agents - 1),
-        "late_looks step": (late[..., 0], -1, task.horizon),
-        "late_looks agent": (late[..., 1], -1, agents - 1),
-        "late_looks node": (late[..., 2], -1, node),
+        "owner": (observation.owner, -1, agents - 1),
+        "delayed_scans step": (delayed[..., 0], -1, task.horizon),
+        "delayed_scans agent": (delayed[..., 1], -1, agents - 1),
+        "delayed_scans node": (delayed[..., 2], -1, node),
         "room_left": (observation.room_left, -np.inf, np.inf),
         "energy_left": (observation.energy_left, -np.inf, np.inf),
         "agent_yaw": (observation.agent_yaw, -1e6, 1e6),
@@ -122,13 +122,13 @@ def _check_shapes(observation: Observation, task: Task, rows: int) -> None:
     nodes, agents = len(task.graph), len(task.fleet)
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(observation._fields, (rows,))
     shapes |= dict.fromkeys(_BY_AGENT, (rows, agents)) | dict.fromkeys(_BY_NODE, (rows, nodes))
-    looks = np.shape(observation.late_looks)[1] if np.ndim(observation.late_looks) > 1 else 0
+    scans = np.shape(observation.delayed_scans)[1] if np.ndim(observation.delayed_scans) > 1 else 0
     shapes |= {
-        "late_looks": (rows, looks, 3),
-        "late_shown": (rows, looks, widest_view(task) if looks else 0),
+        "delayed_scans": (rows, scans, 3),
+        "delayed_shown": (rows, scans, widest_view(task) if scans else 0),
     }
     for name, shape in shapes.items():
-        if name != "late_shown" or looks:
+        if name != "delayed_shown" or scans:
             _check_shape(f"observation.{name}", getattr(observation, name), shape)
 
 

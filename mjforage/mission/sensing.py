@@ -1,4 +1,4 @@
-"""What looks miss and invent: which items each agent detects, and ghosts.
+"""What scans miss and invent: which items each agent detects, and false positives.
 
 The draws are of (item, step), the same for all agents: those that are as far see or miss an item
 together. Ghosts are of (node, epoch). Scenario: `[sensors]`.
@@ -15,10 +15,10 @@ from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.detection import chances_by_square, squares_in_view
-from mjforage.mission.knowledge import Looks
+from mjforage.mission.knowledge import Scans
 from mjforage.mission.ledger import Entries
-from mjforage.mission.look_log import widest_view
 from mjforage.mission.map_filter import NOT_SEEN, MapFilter
+from mjforage.mission.scan_log import widest_view
 from mjforage.mission.task import Task
 from mjforage.scenario.scenario import Scenario, Sensors
 
@@ -26,12 +26,12 @@ _EDGE = 1e-9  # of the cosine at which a field of view ends
 
 
 class Sensing(NamedTuple):
-    """How a batch of fleets sees where looks are not perfect."""
+    """How a batch of fleets sees where scans are not perfect."""
 
     chance: NDArray[np.float64]  # (square,) to detect an item, by squared distance
     share: NDArray[np.float64]  # (episode, item) by which that is multiplied
     merge: float  # chance to overlook an item beside another
-    false_rate: float  # ghosts per node and epoch
+    false_rate: float  # false positives per node and epoch
     false_hold: int  # decisions of an epoch
     half_view: float  # cosine of half the field of view
     collects: NDArray[np.bool_]  # (agent,)
@@ -109,7 +109,7 @@ def map_filter(scenario: Scenario, task: Task, rows: int) -> MapFilter:
 
 
 def no_shown(task: Task, episodes: int, perfect: bool) -> NDArray[np.int16]:
-    """Memory for what looks show (episode, agent, place); of size 0 if they show all there is."""
+    """Memory for what scans show (episode, agent, place); of size 0 if they show all there is."""
     places = 0 if perfect else widest_view(task)
     return np.full((episodes, len(task.fleet), places), NOT_SEEN, np.int16)
 
@@ -170,7 +170,7 @@ def _detect(
 def _invent(
     sensing: Sensing, nodes: Int32Array, key: np.uint64, step: int, shown: NDArray[np.int16]
 ) -> None:
-    """Add the ghosts in view (node,), but where a collector is: it would wait for them for ever."""
+    """Add false positives in view (node,), but where a collector is: it would wait for ever."""
     epoch, drawn = step // sensing.false_hold, stream_key(key, Stream.GHOSTS)
     for i in range(nodes.size):
         if shown[i] >= 0 and not sensing.manned[nodes[i]]:
@@ -181,30 +181,30 @@ def _invent(
 def sense(
     sensing: Sensing,
     keys: UInt64Array,
-    looks: Looks,
+    scans: Scans,
     credit_order: NDArray[np.int64],
     views: NodeLists,
     radius_number: NDArray[np.int64],
     entries: Entries,
 ) -> None:
-    """Fill what the looks of a step show, and credit first detections.
+    """Fill what the scans of a step show, and credit first detections.
 
     Parameters
     ----------
-    looks : `shown` is filled in the rows of active episodes
+    scans : `shown` is filled in the rows of active episodes
     credit_order : (agent,) as agents are credited with what several detect first
     """
-    at, start, collects = looks.agent_node, views.start, sensing.collects
-    for e in range(looks.active.size):
-        if not looks.active[e]:
+    at, start, collects = scans.agent_node, views.start, sensing.collects
+    for e in range(scans.active.size):
+        if not scans.active[e]:
             continue
-        step = looks.step[e]
+        step = scans.step[e]
         for agent in range(collects.size):
             sensing.manned[at[e, agent]] |= collects[agent]
         for agent in credit_order:
-            radius, viewer, shown = radius_number[agent], at[e, agent], looks.shown[e, agent]
+            radius, viewer, shown = radius_number[agent], at[e, agent], scans.shown[e, agent]
             nodes = views.nodes[start[radius, viewer] : start[radius, viewer + 1]]
-            _look_around(sensing, views, radius, viewer, looks.agent_yaw[e, agent], shown)
+            _look_around(sensing, views, radius, viewer, scans.agent_yaw[e, agent], shown)
             _detect(sensing, entries, keys[e], e, step, agent, viewer, shown)
             if sensing.false_rate > 0.0:
                 _invent(sensing, nodes, keys[e], step, shown)

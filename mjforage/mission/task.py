@@ -67,8 +67,8 @@ class Task:
     walls : of `graph_planner.graph.walls.WALLS`, what becomes of items that drift onto land
     pickup : what picking up takes hulls, which may miss items, take those that they pass, and do so
         while all drift; None where a forager takes all that is in its node, before the rest drifts
-    reach_node : how far apart agents hear each other where nothing is between; 0: never
-    latency : decisions until what was sent is heard
+    reach_node : how far apart agents reach each other where nothing is between; 0: never
+    latency : decisions until what was sent is received
     """
 
     graph: NavigationGraph
@@ -127,45 +127,45 @@ class Task:
         )
 
 
-class Late(NamedTuple):
-    """Looks that a holder has heard just now, and that are older: news that is late.
+class DelayedScans(NamedTuple):
+    """Scans that an owner has received just now, and that are older: news that is delayed.
 
     What they tell of is in the observation too, where nothing newer is known; a policy that works
     with time takes them in at their own step. In order of their steps.
     """
 
-    looks: Int32Array  # (row, look, 3) step; agent whose it is; node where it was; padded with -1
+    scans: Int32Array  # (row, scan, 3) step; agent whose it is; node where it was; padded with -1
     shown: NDArray[
         np.int16
-    ]  # (row, look, place) items in the nodes in view, as `Task.views` lists,
-    # negative where it did not look
+    ]  # (row, scan, place) items in the nodes in view, as `Task.views` lists,
+    # negative where it did not scan
 
     @property
     def step(self) -> Int32Array:
-        """(row, look) of the look, -1 for padding."""
-        return self.looks[..., 0]
+        """(row, scan) of the scan, -1 for padding."""
+        return self.scans[..., 0]
 
     @property
     def agent(self) -> Int32Array:
-        """(row, look) whose it is."""
-        return self.looks[..., 1]
+        """(row, scan) whose it is."""
+        return self.scans[..., 1]
 
     @property
     def node(self) -> Int32Array:
-        """(row, look) where its agent was."""
-        return self.looks[..., 2]
+        """(row, scan) where its agent was."""
+        return self.scans[..., 2]
 
 
-def nothing_late(rows: int) -> Late:
-    """What is heard late over an ideal link: no looks."""
-    return Late(np.zeros((rows, 0, 3), np.int32), np.zeros((rows, 0, 0), np.int16))
+def no_delayed_scans(rows: int) -> DelayedScans:
+    """What is received late over an ideal link: no scans."""
+    return DelayedScans(np.zeros((rows, 0, 3), np.int32), np.zeros((rows, 0, 0), np.int16))
 
 
 class Observation(NamedTuple):
-    """What is known and the time, in one row per holder of knowledge, which decides for all agents.
+    """What is known and the time, in one row per owner of knowledge, which decides for all agents.
 
     With ideal communication an episode is one row, and what it knows the fleet knows together;
-    otherwise each holder has a row, and its answer counts for the agents that act by it.
+    otherwise each owner has a row, and its answer counts for the agents that act by it.
     The arrays are live, read-only views: copy what shall last or be changed. Idleness is kept as
     the step at which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
     """
@@ -173,7 +173,7 @@ class Observation(NamedTuple):
     active: NDArray[np.bool_]  # (row,) False once an episode is over
     step: Int32Array  # (row,) the decision about to be taken, 1 for the first
     keys: NDArray[np.uint64]  # (row,) episode keys, for a policy's own randomness
-    agent_node: Int32Array  # (row, agent) where each was when last heard of
+    agent_node: Int32Array  # (row, agent) where each was when last received
     energy_left: NDArray[np.float64]  # (row, agent) as of then [node]
     room_left: NDArray[np.int64]  # (row, agent) items it could take aboard, `UNLIMITED` if any
     belief: NDArray[np.int16]  # (row, node) believed items
@@ -184,14 +184,14 @@ class Observation(NamedTuple):
     taken: NDArray[np.int64]  # (row, agent) items it had taken aboard by then
     pickup: NDArray[np.int8]  # (row, agent) how its picking up ended then, see `PICKUPS`
     agent_yaw: NDArray[np.float64]  # (row, agent) heading then [rad], 0 east, counter-clockwise
-    late_looks: Int32Array  # (row, look, 3) see `Late`, of which these are the arrays
-    late_shown: NDArray[np.int16]  # (row, look, place)
-    holder: Int32Array  # (row,) the agent that acts by this row, -1 if all do or several
+    delayed_scans: Int32Array  # (row, scan, 3) see `DelayedScans`, of which these are the arrays
+    delayed_shown: NDArray[np.int16]  # (row, scan, place)
+    owner: Int32Array  # (row,) the agent that acts by this row, -1 if all do or several
 
     @property
-    def late(self) -> Late:
-        """Looks heard just now that are older."""
-        return Late(self.late_looks, self.late_shown)
+    def delayed(self) -> DelayedScans:
+        """Scans received just now that are older."""
+        return DelayedScans(self.delayed_scans, self.delayed_shown)
 
 
 class GroundTruth(NamedTuple):

@@ -27,7 +27,7 @@ PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics, tuple[str, ...]], ...] =
             *("current_wander_mps", "circulation_mps"),
         ),
     ),
-    ("sensors", Sensors(), ("position_noise_m", "heading_noise_deg", "pickup_noise_m")),
+    ("sensors", Sensors(), ("position_noise_m", "heading_noise_deg", "camera_noise_m")),
     ("physics", Physics(), ("capture", "item_classes", "integrator", "step_s", "scale")),
 )
 """Tables of a scenario, as if nothing were given, and their keys that not every world feels."""
@@ -77,7 +77,7 @@ def _still_items(scenario: Scenario, hulls: Sequence[str]) -> Iterator[str]:
 
 def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:
     """Whether a world with hulls has a key of the scenario, and something that it acts on."""
-    if key == "pickup_noise_m" and adapted.physics.capture == "node":
+    if key == "camera_noise_m" and adapted.physics.capture == "node":
         return False  # nobody steers for an item, so that there is no camera
     if key == "item_classes":
         return adapted.physics.items == "bodies"  # others have the paper's leeway

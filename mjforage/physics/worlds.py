@@ -52,7 +52,7 @@ def _whole(scenario: Scenario) -> Scenario:
 
 def _without_noise(scenario: Scenario) -> Scenario:
     exact = replace(
-        scenario.sensors, position_noise_m=0.0, heading_noise_deg=0.0, pickup_noise_m=0.0
+        scenario.sensors, position_noise_m=0.0, heading_noise_deg=0.0, camera_noise_m=0.0
     )
     calm = replace(scenario.weather, gust_intensity=0.0)
     return replace(scenario, weather=calm, sensors=exact)

@@ -131,14 +131,14 @@ class HeldRecorder(Observer):
     def see(self, mission: Mission) -> None:
         """Take down a step."""
         exchange = mission.exchange
-        holder_of, knowledge = exchange.holder_of, exchange.knowledge
-        belief, seen = knowledge.belief[holder_of], knowledge.last_seen[holder_of]
+        owner_of, knowledge = exchange.owner_of, exchange.knowledge
+        belief, seen = knowledge.belief[owner_of], knowledge.last_seen[owner_of]
         old = self._before or (np.zeros_like(belief), np.full_like(seen, NEVER))
         agent, node = np.nonzero((belief != old[0]) | (seen != old[1]))
         self._changes.append(_Changes(agent, node, seen[agent, node], belief[agent, node]))
         self._before = belief, seen
         self._item_node.append(mission.state.item_node[0].copy())
-        self._heard.append(knowledge.agent_seen[holder_of].astype(np.int16))
+        self._heard.append(knowledge.agent_seen[owner_of].astype(np.int16))
         assert exchange.link_log is not None
         self._linked.append(exchange.link_log.contact[0].copy())
         self._lost.append(exchange.link_log.lost_now[0].astype(np.int16))

@@ -18,7 +18,7 @@ class HoldersMaps:
 
     step: int
     names: tuple[str, ...]  # (agent,)
-    holder_of: NDArray[np.int64]  # (agent,)
+    owner_of: NDArray[np.int64]  # (agent,)
     belief: NDArray[np.int16]  # (holder, row, column) items when the node was last seen
     age: NDArray[np.int32]  # (holder, row, column) steps since then, `UNSEEN` if never
     agent_rc: NDArray[np.int64]  # (holder, agent, 2) where each was last heard of [node]
@@ -44,7 +44,7 @@ class HoldersSeen(Observer):
         if step > self._step:
             return
         exchange, graph = mission.exchange, mission.setup.graph
-        own = slice(0, exchange.holders)  # rows of the first episode
+        own = slice(0, exchange.owners)  # rows of the first episode
         known = exchange.knowledge
         last_seen = known.last_seen[own]
         age = np.where(last_seen == NEVER, UNSEEN, step - last_seen.astype(np.int32))
@@ -52,7 +52,7 @@ class HoldersSeen(Observer):
         self.maps = HoldersMaps(
             step,
             mission.setup.fleet.names,
-            exchange.holder_of.copy(),
+            exchange.owner_of.copy(),
             graph.grid(known.belief[own]).astype(np.int16),
             graph.grid(age).astype(np.int32),
             np.stack((graph.rows[at], graph.cols[at]), axis=-1).astype(np.int64),

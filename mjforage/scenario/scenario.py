@@ -162,7 +162,7 @@ _Distance = Annotated[float, Within(0, 1e4, "node")]
 
 @dataclass(frozen=True)
 class Sensors:
-    """What looks miss and invent, in every world, and what measurements lack with hulls; nothing by
+    """What scans miss and invent, in every world, and what measurements lack with hulls; nothing by
     default.
 
     An item in view is detected with a chance p that falls with its distance: all agents that are as
@@ -194,42 +194,42 @@ class Sensors:
     fov_deg: Annotated[float, Within(0, 360, "deg")] = 360.0
     """Field of view about the heading; an agent's own node is always seen."""
     map: Literal["last", "filtered"] = "last"
-    """What is believed of a node: the items of the last look, or what all looks make probable."""
-    pickup_noise_m: Annotated[float, Within(0, 2, "m")] = 0.0
+    """What is believed of a node: the items of the last scan, or what all scans make probable."""
+    camera_noise_m: Annotated[float, Within(0, 2, "m")] = 0.0
     """Standard deviation per axis of where the middle of an item is in a frame of a collector's
     camera; with 0 there is no camera, and collectors know where items are."""
-    pickup_range_noise_per_m: Annotated[float, Within(0, 0.1, "1/m"), _OAK] = 0.0065
+    camera_range_noise_per_m: Annotated[float, Within(0, 0.1, "1/m"), _OAK] = 0.0065
     """Times the range squared: standard deviation along the line of sight, beyond that."""
-    pickup_view_deg: Annotated[float, Within(10, 360, "deg"), _OAK] = 127.0
+    camera_fov_deg: Annotated[float, Within(10, 360, "deg"), _OAK] = 127.0
     """Field of view of the camera about the bow."""
-    pickup_range_m: Annotated[float, Within(1, 1e4, "m"), _OAK] = 9.0
+    camera_range_m: Annotated[float, Within(1, 1e4, "m"), _OAK] = 9.0
     """Farthest item that it sees."""
-    pickup_period_s: Annotated[float, Within(0.1, 10, "s"), source("estimate")] = 0.2
+    camera_period_s: Annotated[float, Within(0.1, 10, "s"), source("estimate")] = 0.2
     """Time between two frames, a multiple of 0.1 s."""
-    pickup_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate")] = 0.2
+    camera_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate")] = 0.2
     """Time until what is in a frame is known, a multiple of 0.1 s."""
 
     @property
     def perfect(self) -> bool:
-        """Whether looks show all that is in view, and nothing else."""
+        """Whether scans show all that is in view, and nothing else."""
         detects = self.detection >= 1.0 and not self.half_range_node and not self.detection_table
         return detects and not (self.false_rate or self.merge) and self.fov_deg >= 360.0
 
 
-LOOK_BYTES, NODE_BYTES = 6, 3  # of a look, and more of every occupied node in it
+SCAN_BYTES, NODE_BYTES = 6, 3  # of a scan, and more of every occupied node in it
 _RF = source("gz-sim, RFComms")
 
 
 @dataclass(frozen=True)
 class Link:
-    """How looks get from agent to agent; by default everybody hears everything at once.
+    """How scans get from agent to agent; by default everybody receives everything at once.
 
     With a link every agent acts by what it has seen and heard itself. At the end of every decision
-    agents pass on the looks that others in reach lack, the newest first, one hop at a time.
+    agents pass on the scans that others in reach lack, the newest first, one hop at a time.
     """
 
     model: Literal["ideal", "none", "disk", "log-distance", "two-ray"] = "ideal"
-    """`ideal`: everybody hears everything at once; `none`: nobody hears anybody; `disk`: within a
+    """`ideal`: everybody receives everything at once; `none`: nobody hears anybody; `disk`: within a
     range; `log-distance`: power falls with a power of the distance; `two-ray`: with the echo of the
     water."""
     range_m: Annotated[float, Within(0, 1e6, "m")] = 1e6
@@ -256,12 +256,12 @@ class Link:
     latency: Annotated[int, Within(0, 30000, "decisions")] = 0
     """Time until what was sent is heard."""
     bytes: Annotated[int, Within(0, 1_000_000_000, "B")] = 0
-    """What an agent can send in a decision, 0 without a limit; a look of n occupied nodes takes
+    """What an agent can send in a decision, 0 without a limit; a scan of n occupied nodes takes
     6 + 3 n."""
     cells: Annotated[int, Within(0, 1_000_000_000)] = 0
     """The same in cells, of which it takes 1 + n."""
     relay: bool = True
-    """Whether all agents pass on looks of others, or only those of teams with `relays`."""
+    """Whether all agents pass on scans of others, or only those of teams with `relays`."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from mjforage.base.toml_files import read_toml
 from mjforage.scenario.assets import models_folder
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
-from mjforage.scenario.scenario import LOOK_BYTES, Link, Scenario
+from mjforage.scenario.scenario import SCAN_BYTES, Link, Scenario
 from mjforage.scenario.schema import NAME, check, rows, shown
 
 Tree = dict[str, Any]
@@ -211,10 +211,10 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             f"{where}: link.burst = {scenario.link.burst:g} is too short to lose "
             f"{scenario.link.loss:.1%}; give at least {least:.4g}, or 1 for independent losses"
         )
-    if 0 < scenario.link.bytes < LOOK_BYTES:
+    if 0 < scenario.link.bytes < SCAN_BYTES:
         raise UserError(
-            f"{where}: link.bytes = {scenario.link.bytes} is too little for any look; give at "
-            f"least {LOOK_BYTES}, 0 for no limit, or link.model = none"
+            f"{where}: link.bytes = {scenario.link.bytes} is too little for any scan; give at "
+            f"least {SCAN_BYTES}, 0 for no limit, or link.model = none"
         )
     table = scenario.sensors.detection_table
     for (near, more), (far, less) in itertools.pairwise(table):
@@ -237,7 +237,7 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         )
     if sensors.map == "filtered" and sensors.perfect:
         raise UserError(
-            f'{where}: sensors.map = "filtered", but looks miss and invent nothing; give '
+            f'{where}: sensors.map = "filtered", but scans miss and invent nothing; give '
             "sensors.detection, for example 0.9"
         )
     choice = scenario.corruption

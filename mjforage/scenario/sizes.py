@@ -19,10 +19,10 @@ _BELIEF = 40  # bytes per node and episode: knowledge, ledger, and a policy's ow
 _LOGGED = 200  # bytes per agent, step and episode: log and table of agents
 _COURSES = 200  # bytes per step and episode: courses of metrics and table of steps
 _ITEM = 100  # bytes per item and episode
-_LOOK = 40  # bytes of a look, and two for every node in its view
-_NEAR = 2  # bytes per node, step and holder of what a planner's views may have missed
-_DENSITY = 8  # bytes per node and holder of a filtered map
-_HEARD = 14  # bytes per look and holder: when it was heard, what arrives
+_SCAN = 40  # bytes of a scan, and two for every node in its view
+_NEAR = 2  # bytes per node, step and belief owner of what a planner's views may have missed
+_DENSITY = 8  # bytes per node and belief owner of a filtered map
+_RECEIVED = 14  # bytes per scan and belief owner: when it was received, what arrives
 _PLACE = 4  # bytes per item and step: where it was
 _FRAME = 12  # bytes per cell and step of the one episode that a run records
 
@@ -82,7 +82,7 @@ def mission_bytes(
     items = scenario.items.mean + 3.0 * scenario.items.std
     each = nodes * _BELIEF + items * _ITEM + steps * (_COURSES + agents * _LOGGED)
     if scenario.link.model != "ideal":
-        each += agents * nodes * _BELIEF + agents * steps * (_LOOK + agents * _HEARD)
+        each += agents * nodes * _BELIEF + agents * steps * (_SCAN + agents * _RECEIVED)
         each += items * steps * _PLACE
         roles = [role for role in scenario.team.values() if role.count]
         each += agents * steps * 2 * max(min(4.0 * role.radius**2 + 1, nodes) for role in roles)

@@ -19,7 +19,7 @@ from mjforage.mission.setup import Setup
 from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
-from mjforage.testing.two_holders import HOLDERS, TwoHolders
+from mjforage.testing.two_owners import OWNERS, TwoOwners
 
 HORIZON, EPISODES = 31, 4
 """Long enough for items to be found in comb-port; a prime, which no counter of moves divides."""
@@ -81,7 +81,7 @@ class PolicyTrial:
 
     def played(self, policy: Policy, episodes: Iterable[int], holders: int = 1) -> list[Frame]:
         """What a policy sees and answers along some episodes."""
-        mission = Mission(self.setup, exchange=TwoHolders() if holders > 1 else None)
+        mission = Mission(self.setup, exchange=TwoOwners() if holders > 1 else None)
         mission.reset(self.seed, np.array(list(episodes)))
         watched = _Watched(policy)
         mission.prepare(watched)
@@ -191,12 +191,12 @@ def check_second_holder(trial: PolicyTrial) -> None:
     """Where two holders of knowledge share an episode and its key, each is answered for itself."""
     if isinstance(trial.fresh(), UpperBound):
         return  # a bound is shown the truth, once for each episode
-    frames = trial.played(trial.fresh(), range(trial.episodes), HOLDERS)
+    frames = trial.played(trial.fresh(), range(trial.episodes), OWNERS)
     why = (
         "beside the other holder of its episode and without; keep what you remember by row, not by "
         "key or episode"
     )
-    _check_parts(trial, "second_holder", frames, trial.episodes * HOLDERS, why)
+    _check_parts(trial, "second_holder", frames, trial.episodes * OWNERS, why)
 
 
 def _check_parts(trial: PolicyTrial, check: str, frames: list[Frame], size: int, why: str) -> None:

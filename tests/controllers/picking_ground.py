@@ -86,7 +86,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     told = []
     for noise_m in (0.0, 0.1, 0.2):
-        sensors = replace(SENSORS, pickup_noise_m=noise_m)
+        sensors = replace(SENSORS, camera_noise_m=noise_m)
         for place in PLACES:
             drawn = place(np.random.default_rng(chosen.seed), chosen.trials)
             decision = taken_in("forager", drawn, 3, chosen.seed, sensors)

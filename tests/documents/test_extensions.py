@@ -52,10 +52,10 @@ def test_words_are_none(text: str) -> None:
 
 
 def test_a_field_of_a_named_tuple_is_told_by_its_comment() -> None:
-    from mjforage.mission.task import Late, Observation
+    from mjforage.mission.task import DelayedScans, Observation
 
     told = extension("docstrings").fields_of(Observation)
     assert set(told) == set(Observation._fields) and all(told.values())
     assert told["last_seen"] == "(row, node) step, NEVER if not yet seen"
-    shown = extension("docstrings").fields_of(Late)["shown"]
-    assert shown.startswith("(row, look, place) items") and shown.endswith("did not look")
+    shown = extension("docstrings").fields_of(DelayedScans)["shown"]
+    assert shown.startswith("(row, scan, place) items") and shown.endswith("did not scan")

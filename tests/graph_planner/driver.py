@@ -8,7 +8,7 @@ from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.moves import MoveRules
 from mjforage.mission.policy import UpperBound
-from mjforage.mission.task import NEVER, GroundTruth, Observation, Task, nothing_late
+from mjforage.mission.task import NEVER, GroundTruth, Observation, Task, no_delayed_scans
 from mjforage.scenario.fleet import Fleet, Role
 
 FREE = MoveRules(stay=True, shorten=True)
@@ -52,8 +52,8 @@ def observation_of(
         taken=np.zeros(nodes.shape, np.int64),
         pickup=np.zeros(nodes.shape, np.int8),
         agent_yaw=np.zeros(nodes.shape),
-        **{f"late_{name}": part for name, part in nothing_late(episodes)._asdict().items()},
-        holder=np.full(episodes, -1, np.int32),
+        **{f"delayed_{name}": part for name, part in no_delayed_scans(episodes)._asdict().items()},
+        owner=np.full(episodes, -1, np.int32),
     )
 
 

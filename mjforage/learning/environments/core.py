@@ -127,12 +127,12 @@ class EnvironmentCore:
         if self._spare is None or not self.started or envs.size == self.num_envs:
             assert envs.size == self.num_envs, "all sub-environments are started together"
             self.mission.start(keys)
-            self._encoder.reset(self.num_envs * self.mission.exchange.holders)
+            self._encoder.reset(self.num_envs * self.mission.exchange.owners)
             self.n_items = self.mission.initial.n_items.copy()
             self.started = True
             return
         self._spare.start(keys)
-        self.mission.adopt(envs, self._spare)
+        self.mission.replace_episodes(envs, self._spare)
         self.n_items[envs] = self._spare.initial.n_items
 
     def step(self, actions: NDArray[np.int64]) -> Outcome:
@@ -188,12 +188,12 @@ class EnvironmentCore:
         Every agent sees what it knows: over a link, what it has seen and heard itself.
         """
         exchange, held = self.mission.exchange, self.mission.held
-        if exchange.holders == 1:
+        if exchange.owners == 1:
             return self._encoder.see(held, envs)
-        rows = (envs[:, None] * exchange.holders + np.arange(exchange.holders)).reshape(-1)
-        batch, agents = (self.num_envs, exchange.holders), np.arange(self.agents)
+        rows = (envs[:, None] * exchange.owners + np.arange(exchange.owners)).reshape(-1)
+        batch, agents = (self.num_envs, exchange.owners), np.arange(self.agents)
         return {
-            name: level.reshape(*batch, *level.shape[1:])[:, exchange.holder_of, agents]
+            name: level.reshape(*batch, *level.shape[1:])[:, exchange.owner_of, agents]
             for name, level in self._encoder.see(held, rows).items()
         }
 

@@ -1,4 +1,4 @@
-"""The link: how looks get from agent to agent, where not everybody hears everything at once."""
+"""The link: how scans get from agent to agent, where not everybody receives everything at once."""
 
 from mjforage.mission.link.radio import Radio, exchange_of
 

@@ -1,4 +1,4 @@
-"""Which agents can hear each other in a decision, and which of their links lose what they carry."""
+"""Contacts: agents in reach of each other in a decision, and links that lose what they carry."""
 
 import math
 from typing import NamedTuple
@@ -72,11 +72,11 @@ class Contacts(NamedTuple):
 
     snr_db: NDArray[np.float64]  # (episode, sender, receiver) signal to noise; below 0: no contact
     bad: NDArray[np.bool_]  # (episode, sender, receiver) whether all that is sent is lost
-    lost: NDArray[np.int64]  # (episode, sender, receiver) looks that were, or that noise garbled
+    lost: NDArray[np.int64]  # (episode, sender, receiver) scans that were, or that noise garbled
 
     @classmethod
     def of(cls, episodes: int, agents: int) -> "Contacts":
-        """Nobody hears anybody yet."""
+        """Nobody receives anybody yet."""
         each = (episodes, agents, agents)
         return cls(np.full(each, -np.inf), np.zeros(each, np.bool_), np.zeros(each, np.int64))
 

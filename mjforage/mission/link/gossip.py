@@ -1,8 +1,8 @@
-"""Passing looks on: to all in contact, the newest first, one hop per decision.
+"""Passing scans on: to all in contact, the newest first, one hop per decision.
 
-Those in contact know which looks the others lack (they exchange digests, which take no budget and
-are never lost or late: an idealisation). What was sent is charged
-to the sender's budget whether it is lost or not. Looks in flight are not sent again.
+Those in contact know which scans the others lack (they exchange digests, which take no budget and
+are never lost or delayed: an idealisation). What was sent is charged
+to the sender's budget whether it is lost or not. Scans in flight are not sent again.
 """
 
 from typing import NamedTuple
@@ -15,10 +15,10 @@ from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.link.contacts import Contacts
 from mjforage.mission.link.propagation import packet_error
-from mjforage.mission.look_log import LookLog
-from mjforage.scenario.scenario import LOOK_BYTES, NODE_BYTES
+from mjforage.mission.scan_log import ScanLog
+from mjforage.scenario.scenario import NODE_BYTES, SCAN_BYTES
 
-NOT_HEARD = -1
+NOT_RECEIVED = -1
 LAST = np.iinfo(np.int16).max  # step of what arrives after the end
 _ARRIVING = -2
 _NEVER = np.iinfo(np.int64).max
@@ -30,46 +30,48 @@ class Terms(NamedTuple):
     latency: int  # decisions
     bytes: int  # per sender and decision, 0 without a limit
     cells: int  # the same in cells
-    passes_on: NDArray[np.bool_]  # (agent,) looks of others too
+    passes_on: NDArray[np.bool_]  # (agent,) scans of others too
 
 
-class Mail(NamedTuple):
-    """Which looks holders have heard; a holder per agent."""
+class Inbox(NamedTuple):
+    """Which scans owners have received; an owner per agent."""
 
-    heard_at: NDArray[np.int16]  # (episode, holder, agent, step) step of arrival, or `NOT_HEARD`
-    newest: NDArray[np.int64]  # (episode, holder, agent) step of the newest heard or in flight
-    complete: NDArray[np.int64]  # (episode, holder, agent) all up to this step are
-    arrived: NDArray[np.int64]  # (episode, holder, agent) all up to this step are heard
-    flying: NDArray[np.int64]  # (episode,) copies of looks sent that have not arrived
-    landing: NDArray[np.int64]  # (episode, step) copies that arrive then, whoever else sent them
-    arriving: NDArray[np.int64]  # memory: flat places in `heard_at` of an episode
-    wanted: NDArray[np.int64]  # (agent, 2) memory: first and last step of what to look through
-    heard: Int32Array  # (look, 4) memory: row, episode, step and agent of what is heard
+    received_at: NDArray[
+        np.int16
+    ]  # (episode, owner, agent, step) step of arrival, or `NOT_RECEIVED`
+    newest: NDArray[np.int64]  # (episode, owner, agent) step of the newest received or in flight
+    complete: NDArray[np.int64]  # (episode, owner, agent) all up to this step are
+    arrived: NDArray[np.int64]  # (episode, owner, agent) all up to this step are received
+    in_flight: NDArray[np.int64]  # (episode,) copies of scans sent that have not arrived
+    due: NDArray[np.int64]  # (episode, step) copies that arrive then, whoever else sent them
+    arriving: NDArray[np.int64]  # memory: flat places in `received_at` of an episode
+    wanted: NDArray[np.int64]  # (agent, 2) memory: first and last step of what to scan through
+    received: Int32Array  # (scan, 4) memory: row, episode, step and agent of what is received
 
 
 class Traffic(NamedTuple):
     """What went over the links so far, per episode (episode,)."""
 
     contacts: NDArray[np.int64]  # pairs in contact, summed over decisions
-    sent: NDArray[np.int64]  # looks, once for each sender and receiver that lacks them
+    sent: NDArray[np.int64]  # scans, once for each sender and receiver that lacks them
     lost: NDArray[np.int64]  # of those
-    dropped: NDArray[np.int64]  # looks that a budget did not suffice for, in every decision anew
+    dropped: NDArray[np.int64]  # scans that a budget did not suffice for, in every decision anew
     bytes: NDArray[np.int64]
 
 
-def mail(episodes: int, agents: int, horizon: int) -> Mail:
-    """Nothing heard yet."""
-    pairs, looks = (episodes, agents, agents), agents * agents * (horizon + 1)
-    return Mail(
-        heard_at=np.full((*pairs, horizon + 1), NOT_HEARD, np.int16),
-        newest=np.full(pairs, NOT_HEARD, np.int64),
-        complete=np.full(pairs, NOT_HEARD, np.int64),
-        arrived=np.full(pairs, NOT_HEARD, np.int64),
-        flying=np.zeros(episodes, np.int64),
-        landing=np.zeros((episodes, horizon + 1), np.int64),
-        arriving=np.empty(looks, np.int64),
+def inbox(episodes: int, agents: int, horizon: int) -> Inbox:
+    """Nothing received yet."""
+    pairs, scans = (episodes, agents, agents), agents * agents * (horizon + 1)
+    return Inbox(
+        received_at=np.full((*pairs, horizon + 1), NOT_RECEIVED, np.int16),
+        newest=np.full(pairs, NOT_RECEIVED, np.int64),
+        complete=np.full(pairs, NOT_RECEIVED, np.int64),
+        arrived=np.full(pairs, NOT_RECEIVED, np.int64),
+        in_flight=np.zeros(episodes, np.int64),
+        due=np.zeros((episodes, horizon + 1), np.int64),
+        arriving=np.empty(scans, np.int64),
         wanted=np.empty((agents, 2), np.int64),
-        heard=np.empty((looks, 4), np.int32),
+        received=np.empty((scans, 4), np.int32),
     )
 
 
@@ -88,10 +90,16 @@ def _garbled(key: np.uint64, step: int, index: int, snr_db: float, size: int) ->
 
 @inlined
 def _lacks(
-    heard_at: NDArray[np.int16], snr_db: NDArray[np.float64], e: int, i: int, j: int, a: int, s: int
+    received_at: NDArray[np.int16],
+    snr_db: NDArray[np.float64],
+    e: int,
+    i: int,
+    j: int,
+    a: int,
+    s: int,
 ) -> bool:
-    """Whether agent j is in contact with agent i and has not heard a look of agent a."""
-    return bool(j != i and snr_db[e, i, j] >= 0.0 and heard_at[e, j, a, s] < 0)
+    """Whether agent j is in contact with agent i and has not received a scan of agent a."""
+    return bool(j != i and snr_db[e, i, j] >= 0.0 and received_at[e, j, a, s] < 0)
 
 
 @kernel
@@ -104,15 +112,15 @@ def _deliver(
     s: int,
     size: int,
     contacts: Contacts,
-    mail: Mail,
+    inbox: Inbox,
     traffic: Traffic,
     number: int,
 ) -> int:
-    """Send agent i's copy of a look to all in contact that lack it; arrivals listed so far."""
-    heard_at, snr_db = mail.heard_at, contacts.snr_db
-    agents, steps = heard_at.shape[1], heard_at.shape[3]
+    """Send agent i's copy of a scan to all in contact that lack it; arrivals listed so far."""
+    received_at, snr_db = inbox.received_at, contacts.snr_db
+    agents, steps = received_at.shape[1], received_at.shape[3]
     for j in range(agents):
-        if not _lacks(heard_at, snr_db, e, i, j, a, s):
+        if not _lacks(received_at, snr_db, e, i, j, a, s):
             continue
         traffic.sent[e] += 1
         place = (j * agents + a) * steps + s
@@ -121,15 +129,15 @@ def _deliver(
         ):
             traffic.lost[e] += 1
             contacts.lost[e, i, j] += 1
-        elif heard_at[e, j, a, s] == NOT_HEARD:
-            heard_at[e, j, a, s] = _ARRIVING
-            mail.arriving[number] = place
+        elif received_at[e, j, a, s] == NOT_RECEIVED:
+            received_at[e, j, a, s] = _ARRIVING
+            inbox.arriving[number] = place
             number += 1
     return number
 
 
 @inlined
-def _look_through(
+def _span_of_scans(
     e: int,
     i: int,
     passes_on: NDArray[np.bool_],
@@ -138,13 +146,13 @@ def _look_through(
     complete: NDArray[np.int64],
     wanted: NDArray[np.int64],
 ) -> tuple[int, int]:
-    """First and last step of the looks that agent i may have and some in contact may lack.
+    """First and last step of the scans that agent i may have and some in contact may lack.
 
     So that what all have had for long is not gone through in every decision.
 
     Parameters
     ----------
-    wanted : (agent, 2) the same of each agent's looks, filled in
+    wanted : (agent, 2) the same of each agent's scans, filled in
     """
     first, last = _NEVER, -1
     for a in range(passes_on.size):
@@ -161,21 +169,21 @@ def _look_through(
 
 
 @inlined
-def _post(
+def _note_arrival(
     e: int,
     place: int,
     at: int,
-    heard_at: NDArray[np.int16],
+    received_at: NDArray[np.int16],
     newest: NDArray[np.int64],
     complete: NDArray[np.int64],
 ) -> None:
-    """Note when the look of a flat place in `heard_at` arrives."""
-    agents, steps = heard_at.shape[1], heard_at.shape[3]
+    """Note when the scan of a flat place in `received_at` arrives."""
+    agents, steps = received_at.shape[1], received_at.shape[3]
     j, a, s = place // (agents * steps), place // steps % agents, place % steps
-    heard_at[e, j, a, s] = at
+    received_at[e, j, a, s] = at
     newest[e, j, a] = max(newest[e, j, a], s)
     upto = complete[e, j, a]
-    while upto + 1 < steps and heard_at[e, j, a, upto + 1] >= 0:
+    while upto + 1 < steps and received_at[e, j, a, upto + 1] >= 0:
         upto += 1
     complete[e, j, a] = upto
 
@@ -186,34 +194,39 @@ def _exchange(
     key: np.uint64,
     e: int,
     now: int,
-    log: LookLog,
+    log: ScanLog,
     contacts: Contacts,
-    mail: Mail,
+    inbox: Inbox,
     traffic: Traffic,
 ) -> int:
-    """All send what others lack, the newest first, ties by agent; how many looks will arrive."""
-    snr_db, heard_at, newest, complete = contacts.snr_db, mail.heard_at, mail.newest, mail.complete
-    wanted, occupied, agents, number = mail.wanted, log.occupied, heard_at.shape[1], 0
+    """All send what others lack, the newest first, ties by agent; how many scans will arrive."""
+    snr_db, received_at, newest, complete = (
+        contacts.snr_db,
+        inbox.received_at,
+        inbox.newest,
+        inbox.complete,
+    )
+    wanted, occupied, agents, number = inbox.wanted, log.occupied, received_at.shape[1], 0
     for i in range(agents):
         bytes_left = terms.bytes if terms.bytes > 0 else _NEVER
         cells_left = terms.cells if terms.cells > 0 else _NEVER
-        first, last = _look_through(e, i, terms.passes_on, snr_db, newest, complete, wanted)
+        first, last = _span_of_scans(e, i, terms.passes_on, snr_db, newest, complete, wanted)
         for s in range(last, first - 1, -1):
             for a in range(agents):
-                if s < wanted[a, 0] or s > wanted[a, 1] or not 0 <= heard_at[e, i, a, s] <= now:
+                if s < wanted[a, 0] or s > wanted[a, 1] or not 0 <= received_at[e, i, a, s] <= now:
                     continue
                 lacking = 0
                 for j in range(agents):
-                    lacking += _lacks(heard_at, snr_db, e, i, j, a, s)
+                    lacking += _lacks(received_at, snr_db, e, i, j, a, s)
                 if lacking == 0:
                     continue
-                size, cells = LOOK_BYTES + NODE_BYTES * occupied[e, s, a], 1 + occupied[e, s, a]
+                size, cells = SCAN_BYTES + NODE_BYTES * occupied[e, s, a], 1 + occupied[e, s, a]
                 if size > bytes_left or cells > cells_left:
                     traffic.dropped[e] += 1
                     continue
                 bytes_left, cells_left = bytes_left - size, cells_left - cells
                 traffic.bytes[e] += size
-                number = _deliver(key, e, now, i, a, s, size, contacts, mail, traffic, number)
+                number = _deliver(key, e, now, i, a, s, size, contacts, inbox, traffic, number)
     return number
 
 
@@ -223,53 +236,63 @@ def pass_on(
     keys: UInt64Array,
     active: NDArray[np.bool_],
     step: Int32Array,
-    log: LookLog,
+    log: ScanLog,
     contacts: Contacts,
-    mail: Mail,
+    inbox: Inbox,
     traffic: Traffic,
 ) -> None:
-    """Exchange looks over the links of a decision, after everybody's own look of it.
+    """Exchange scans over the links of a decision, after everybody's own scan of it.
 
     What arrives at once is passed on in the next decision at the earliest: all send what they had
-    heard before.
+    received before.
 
     Parameters
     ----------
     keys, active, step : (episode,)
-    mail, traffic : changed in active episodes, as is what `contacts` count as lost
+    inbox, traffic : changed in active episodes, as is what `contacts` count as lost
     """
-    heard_at, newest, complete, arriving = mail.heard_at, mail.newest, mail.complete, mail.arriving
-    agents, steps, snr_db = heard_at.shape[1], heard_at.shape[3], contacts.snr_db
+    received_at, newest, complete, arriving = (
+        inbox.received_at,
+        inbox.newest,
+        inbox.complete,
+        inbox.arriving,
+    )
+    agents, steps, snr_db = received_at.shape[1], received_at.shape[3], contacts.snr_db
     met, sent, lost = traffic.contacts, traffic.sent, traffic.lost
     for e in range(active.size):
         if not active[e]:
             continue
         now = step[e]
         for i in range(agents):
-            _post(e, (i * agents + i) * steps + now, now, heard_at, newest, complete)
+            _note_arrival(e, (i * agents + i) * steps + now, now, received_at, newest, complete)
             for j in range(i):
                 met[e] += snr_db[e, i, j] >= 0.0
         before = sent[e] - lost[e]
-        number = _exchange(terms, keys[e], e, now, log, contacts, mail, traffic)
+        number = _exchange(terms, keys[e], e, now, log, contacts, inbox, traffic)
         copies, at = sent[e] - lost[e] - before, min(now + terms.latency, LAST)
-        mail.flying[e] += copies
+        inbox.in_flight[e] += copies
         if at < steps:
-            mail.landing[e, at] += copies
+            inbox.due[e, at] += copies
         for k in range(number):
-            _post(e, arriving[k], at, heard_at, newest, complete)
+            _note_arrival(e, arriving[k], at, received_at, newest, complete)
 
 
 @kernel
-def arrivals(e: int, now: int, mail: Mail) -> int:
-    """List in `mail.heard` what the holders of an episode hear now, by holder, step and agent.
+def arrivals(e: int, now: int, inbox: Inbox) -> int:
+    """List in `inbox.received` what the owners of an episode receive now, by owner, step and agent.
 
     Returns
     -------
     int
-        How many looks.
+        How many scans.
     """
-    heard_at, newest, arrived, heard = mail.heard_at, mail.newest, mail.arrived, mail.heard
-    agents, number = heard_at.shape[1], 0
+    received_at, newest, arrived, received = (
+        inbox.received_at,
+        inbox.newest,
+        inbox.arrived,
+        inbox.received,
+    )
+    agents, number = received_at.shape[1], 0
     for h in range(agents):
         first = now
         for a in range(agents):
@@ -277,12 +300,12 @@ def arrivals(e: int, now: int, mail: Mail) -> int:
                 first = min(first, arrived[e, h, a] + 1)
         for s in range(first, now + 1):
             for a in range(agents):
-                if heard_at[e, h, a, s] == now:
-                    heard[number, 0], heard[number, 1] = e * agents + h, e
-                    heard[number, 2], heard[number, 3] = s, a
+                if received_at[e, h, a, s] == now:
+                    received[number, 0], received[number, 1] = e * agents + h, e
+                    received[number, 2], received[number, 3] = s, a
                     number += 1
         for a in range(agents):
-            while arrived[e, h, a] < now and 0 <= heard_at[e, h, a, arrived[e, h, a] + 1] <= now:
+            while arrived[e, h, a] < now and 0 <= received_at[e, h, a, arrived[e, h, a] + 1] <= now:
                 arrived[e, h, a] += 1
-    mail.flying[e] -= mail.landing[e, now]
+    inbox.in_flight[e] -= inbox.due[e, now]
     return number

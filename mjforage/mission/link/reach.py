@@ -4,14 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.mission.link.propagation import log_distance_loss_db, packet_error, two_ray_loss_db
-from mjforage.scenario.scenario import LOOK_BYTES, Link
+from mjforage.scenario.scenario import SCAN_BYTES, Link
 
-EVEN = 0.5  # chance at which a look counts as garbled
+EVEN = 0.5  # chance at which a scan counts as garbled
 _FARTHEST_M, _SOUNDINGS = 1e6, 2000
 
 
 def reach_m(link: Link, antenna_m: NDArray[np.float64]) -> float:
-    """Farthest distance at which the least look gets through half the time [m]; inf if ideal.
+    """Farthest distance at which the least scan gets through half the time [m]; inf if ideal.
 
     By the mean power: shadowing is left out.
 
@@ -30,5 +30,5 @@ def reach_m(link: Link, antenna_m: NDArray[np.float64]) -> float:
             loss = log_distance_loss_db(d, link.exponent, link.l0_db)
         else:
             loss = two_ray_loss_db(d, float(low), float(high), link.frequency_hz)
-        farthest = d if packet_error(margin - loss, LOOK_BYTES) < EVEN else farthest
+        farthest = d if packet_error(margin - loss, SCAN_BYTES) < EVEN else farthest
     return farthest

@@ -16,7 +16,13 @@ from mjforage.mission.mission_metrics.known import (
     import_specs_of,
     metric,
 )
-from mjforage.mission.mission_metrics.metric import Batch, Description, Metric, Moment, description
+from mjforage.mission.mission_metrics.metric import (
+    Batch,
+    Description,
+    Metric,
+    StepView,
+    description,
+)
 from mjforage.mission.mission_metrics.scoring import Scorer, Scores, score
 
 __all__ = [
@@ -24,9 +30,9 @@ __all__ = [
     "Batch",
     "Description",
     "Metric",
-    "Moment",
     "Scorer",
     "Scores",
+    "StepView",
     "chosen_metrics",
     "describe",
     "description",

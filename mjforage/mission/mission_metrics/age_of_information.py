@@ -4,29 +4,29 @@ import numpy as np
 
 from mjforage import metrics
 from mjforage.mission.mission_metrics.known import metric
-from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
 
 
 @metric
 class AgeOfInformation(Metric):
-    """Mean over the navigable nodes of the steps since a look that the holder has heard saw them,
-    T if none; mean over the holders, time mean.
+    """Mean over the navigable nodes of the steps since a scan that the owner has received saw them,
+    T if none; mean over the owners, time mean.
 
-    `docs/concepts/metrics.md`. Without a link one holder hears all looks.
+    `docs/concepts/metrics.md`. Without a link one owner receives all scans.
     """
 
     key, label, unit, better, digits = "aoi", "AoI", "steps", -1, 2
     compared, top = False, 0.0
 
-    def at(self, moment: Moment) -> FloatArray:
-        """(open,) mean over the holders, now [step]."""
-        mission, holders = moment.mission, moment.mission.exchange.holders
-        now = mission.step if holders == 1 else np.repeat(mission.step, holders)
+    def at(self, view: StepView) -> FloatArray:
+        """(open,) mean over the owners, now [step]."""
+        mission, owners = view.mission, view.mission.exchange.owners
+        now = mission.step if owners == 1 else np.repeat(mission.step, owners)
         last_seen = mission.exchange.knowledge.last_seen  # of all: copies of some take longer
         ages = metrics.age_of_information(last_seen, now, mission.task.horizon)
-        if holders > 1:
-            ages = ages.reshape(-1, holders).mean(axis=1)
-        return ages[moment.episodes]
+        if owners > 1:
+            ages = ages.reshape(-1, owners).mean(axis=1)
+        return ages[view.episodes]
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [step]."""

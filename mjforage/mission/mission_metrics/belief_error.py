@@ -2,14 +2,14 @@
 
 from mjforage import metrics
 from mjforage.mission.mission_metrics.known import metric
-from mjforage.mission.mission_metrics.metric import FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.metric import FloatArray, Metric, StepView
 
 
-def errors(moment: Moment) -> tuple[FloatArray, FloatArray]:
+def errors(view: StepView) -> tuple[FloatArray, FloatArray]:
     """RMSE over the nodes and per column, (open,) each."""
-    mission = moment.mission
-    truth = moment.of_open(mission.ledger.entries.truth)
-    belief = moment.of_open(mission.knowledge.belief)
+    mission = view.mission
+    truth = view.of_open(mission.ledger.entries.truth)
+    belief = view.of_open(mission.knowledge.belief)
     return metrics.model_error(truth, belief, mission.setup.grid.navigable)
 
 
@@ -24,9 +24,9 @@ class ErrorOverNodes(Metric):
     key, label, better, digits = "rmse", "RMSE", -1, 4
     unit, top = "items/node", 0.0
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
-        return moment.cached(errors)[0]
+        return view.cached(errors)[0]
 
 
 @metric
@@ -39,6 +39,6 @@ class ErrorPerColumn(Metric):
     unit, top = "items/node", 0.0
     compared = False
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
-        return moment.cached(errors)[1]
+        return view.cached(errors)[1]

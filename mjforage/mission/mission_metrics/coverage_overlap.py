@@ -5,12 +5,12 @@ from numpy.typing import NDArray
 
 from mjforage import metrics
 from mjforage.mission.mission_metrics.known import metric
-from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
 
 
-def _overlap(moment: Moment, team: NDArray[np.int64]) -> FloatArray:
+def _overlap(view: StepView, team: NDArray[np.int64]) -> FloatArray:
     """(open,) nodes that at least two of a team see, of those that one sees."""
-    return metrics.coverage_overlap(moment.mission.times_seen(team, moment.episodes))
+    return metrics.coverage_overlap(view.mission.times_seen(team, view.episodes))
 
 
 @metric
@@ -23,9 +23,9 @@ class OverlapOfScouts(Metric):
     key, label, better = "co_scouts", "CO_scouts", -1
     compared, top = False, 0.0
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
-        return _overlap(moment, moment.mission.setup.fleet.discoverers)
+        return _overlap(view, view.mission.setup.fleet.discoverers)
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
@@ -42,9 +42,9 @@ class OverlapOfForagers(Metric):
     key, label, better = "co_foragers", "CO_foragers", -1
     compared, top = False, 0.0
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
-        return _overlap(moment, moment.mission.setup.fleet.collectors)
+        return _overlap(view, view.mission.setup.fleet.collectors)
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""

@@ -10,39 +10,41 @@ from mjforage.mission.exchange import LinkLog
 from mjforage.mission.mission_metrics.known import metric
 from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric
 
-NOBODY = int(np.iinfo(np.int64).max)  # step at which nobody hears
+NOBODY = int(np.iinfo(np.int64).max)  # step at which nobody receives
 
 
 @kernel
-def _heard_by(heard_at: NDArray[np.int16], listeners: NDArray[np.int64], a: int, s: int) -> int:
-    """Step at which the first of some agents hears a look; of one episode."""
+def _received_by(
+    received_at: NDArray[np.int16], listeners: NDArray[np.int64], a: int, s: int
+) -> int:
+    """Step at which the first of some agents receives a scan; of one episode."""
     first = NOBODY
     for h in listeners:
-        if 0 <= heard_at[h, a, s] < first:
-            first = int(heard_at[h, a, s])
+        if 0 <= received_at[h, a, s] < first:
+            first = int(received_at[h, a, s])
     return first
 
 
 @kernel
 def _shows(link: LinkLog, e: int, s: int, a: int, node: int) -> bool:
-    """Whether agent a's look at step s shows items in a node."""
-    viewer, radius = link.looks.node[e, s, a], link.radius_number[a]
+    """Whether agent a's scan at step s shows items in a node."""
+    viewer, radius = link.scans.node[e, s, a], link.radius_number[a]
     first, nodes = link.views.start[radius, viewer], link.views.nodes
     for i in range(first, link.views.start[radius, viewer + 1]):
         if nodes[i] == node:
-            return bool(link.looks.shown[e, s, a, i - first] > 0)
+            return bool(link.scans.shown[e, s, a, i - first] > 0)
     return False
 
 
 @kernel
-def first_heard(
+def first_received(
     link: LinkLog,
     listeners: NDArray[np.int64],
     item_node: Int32Array,
     t_discovered: NDArray[np.int16],
     length: Int32Array,
 ) -> NDArray[np.int64]:
-    """When listeners first hear a look, made since an item's discovery, of items where it is.
+    """When listeners first receive a scan, made since an item's discovery, of items where it is.
 
     Parameters
     ----------
@@ -55,29 +57,29 @@ def first_heard(
     -------
     (episode, item) [step], -1 never
     """
-    heard = np.full(t_discovered.shape, -1, np.int64)
+    received = np.full(t_discovered.shape, -1, np.int64)
     for e in range(length.size):
         for k in range(t_discovered.shape[1]):
             if t_discovered[e, k] < 0:
                 continue
             best = int(length[e]) + 1
             for s in range(t_discovered[e, k], length[e] + 1):
-                if s >= best:  # nothing is heard before it is seen
+                if s >= best:  # nothing is received before it is seen
                     break
                 if item_node[e, s, k] < 0:
                     continue
                 for a in range(link.radius_number.size):
-                    at = _heard_by(link.heard_at[e], listeners, a, s)
+                    at = _received_by(link.received_at[e], listeners, a, s)
                     if at < best and _shows(link, e, s, a, item_node[e, s, k]):
                         best = at
             if best <= length[e]:
-                heard[e, k] = best
-    return heard
+                received[e, k] = best
+    return received
 
 
 @metric
 class Handover(Metric):
-    """Steps from an item's discovery until a collector has heard a look, made since, that shows
+    """Steps from an item's discovery until a collector has received a scan, made since, that shows
     items in its node, or has taken it, over T; mean over the items discovered, never = T.
 
     `docs/concepts/metrics.md`. Undefined without a link.
@@ -92,7 +94,7 @@ class Handover(Metric):
             return np.full(log.length.size, np.nan)
         listeners = batch.fleet.collectors
         about = log.item_node, log.t_discovered, log.length
-        steps = first_heard(log.link, listeners, *about)
-        heard = np.where(steps < 0, metrics.NEVER, steps)
-        known = np.fmin(heard, events.collected_at)
+        steps = first_received(log.link, listeners, *about)
+        received = np.where(steps < 0, metrics.NEVER, steps)
+        known = np.fmin(received, events.collected_at)
         return metrics.handover(events.discovered_at, known, batch.horizon)

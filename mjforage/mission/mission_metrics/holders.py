@@ -6,31 +6,31 @@ from mjforage import metrics
 from mjforage.mission.mission import Mission
 from mjforage.mission.mission_metrics.belief_error import errors
 from mjforage.mission.mission_metrics.known import metric
-from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
 
 
-def _unlikeness(moment: Moment) -> tuple[FloatArray, FloatArray]:
-    """Disagreement and error of the holders' maps, (open,) each."""
-    mission, holders = moment.mission, moment.mission.exchange.holders
+def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
+    """Disagreement and error of the owners' maps, (open,) each."""
+    mission, owners = view.mission, view.mission.exchange.owners
     held = mission.exchange.knowledge.belief
     return metrics.unlikeness(
-        moment.of_open(mission.knowledge.belief),
-        moment.of_open(held.reshape(-1, holders, held.shape[1])),
-        moment.of_open(mission.ledger.entries.truth),
-        moment.cached(errors)[0],
+        view.of_open(mission.knowledge.belief),
+        view.of_open(held.reshape(-1, owners, held.shape[1])),
+        view.of_open(mission.ledger.entries.truth),
+        view.cached(errors)[0],
         mission.setup.grid.navigable,
     )
 
 
 class OfHolders(Metric):
-    """What is defined where holders are several: time mean of a course."""
+    """What is defined where owners are several: time mean of a course."""
 
     better, compared, top = -1, False, 0.0
 
     @classmethod
     def is_defined(cls, mission: Mission) -> bool:
         """Whether there are several."""
-        return mission.exchange.holders > 1
+        return mission.exchange.owners > 1
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
@@ -39,7 +39,7 @@ class OfHolders(Metric):
 
 @metric
 class PositionAge(OfHolders):
-    """Steps since the newest position that an agent has heard of a team-mate, mean over both, time
+    """Steps since the newest position that an agent has received a team-mate, mean over both, time
     mean.
 
     `docs/concepts/metrics.md`. What it knows of itself does not count.
@@ -47,17 +47,17 @@ class PositionAge(OfHolders):
 
     key, label, unit, digits = "position_age", "PA", "steps", 2
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) now [step]."""
-        exchange, step = moment.mission.exchange, moment.mission.step[moment.episodes]
+        exchange, step = view.mission.exchange, view.mission.step[view.episodes]
         seen = exchange.knowledge.agent_seen
-        each = moment.of_open(seen.reshape(-1, exchange.holders, seen.shape[1]))
-        return metrics.position_age(each[:, exchange.holder_of], step)
+        each = view.of_open(seen.reshape(-1, exchange.owners, seen.shape[1]))
+        return metrics.position_age(each[:, exchange.owner_of], step)
 
 
 @metric
 class Disagreement(OfHolders):
-    """RMSE between the maps of two holders, both smoothed as for RMSE; mean over the pairs, time
+    """RMSE between the maps of two owners, both smoothed as for RMSE; mean over the pairs, time
     mean.
 
     `docs/concepts/metrics.md`.
@@ -65,24 +65,24 @@ class Disagreement(OfHolders):
 
     key, label, unit, digits = "disagreement", "Disagreement", "items/node", 4
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
-        return moment.cached(_unlikeness)[0]
+        return view.cached(_unlikeness)[0]
 
 
 @metric
 class ErrorOfHolders(OfHolders):
-    """RMSE of the map by which an agent acts, mean over the holders; RMSE itself is that of all
-    looks, which nobody has heard together.
+    """RMSE of the map by which an agent acts, mean over the owners; RMSE itself is that of all
+    scans, which nobody has received together.
 
     At the end, as RMSE is.
     """
 
     key, label, unit, digits = "rmse_holders", "RMSE_holders", "items/node", 4
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
-        return moment.cached(_unlikeness)[1]
+        return view.cached(_unlikeness)[1]
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from mjforage import metrics
 from mjforage.mission.mission_metrics.known import metric
-from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
 
 
 @metric
@@ -19,9 +19,9 @@ class FinalIdleness(Metric):
     compared = False
     course_key, course_label, top = "mi", "MI", 1.0
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) mean over the nodes, now."""
-        return metrics.mean_idleness(moment.mission.idleness(moment.episodes))
+        return metrics.mean_idleness(view.mission.idleness(view.episodes))
 
 
 @metric

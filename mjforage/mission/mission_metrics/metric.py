@@ -26,7 +26,7 @@ FloatArray = NDArray[np.float64]
 _T = TypeVar("_T", bound=np.generic)
 
 
-class Moment(Cache):
+class StepView(Cache):
     """A mission after its start or a step, as a course that is taken live sees it.
 
     Attributes
@@ -129,8 +129,8 @@ class Metric:
         """(episode, T + 1) from a finished batch."""
         raise NotImplementedError
 
-    def at(self, moment: Moment) -> FloatArray:
-        """(open,) the course's value now, for the moment's episodes."""
+    def at(self, view: StepView) -> FloatArray:
+        """(open,) the course's value now, for the view's episodes."""
         raise NotImplementedError
 
     @classmethod

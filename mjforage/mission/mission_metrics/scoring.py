@@ -9,7 +9,7 @@ from mjforage.base.errors import UserError
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.mission_metrics.known import chosen_metrics, course_metrics
-from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
 
 
 @dataclass(frozen=True)
@@ -61,10 +61,10 @@ class Scorer(Observer):
         if not self._taken:
             self._start(mission)
         self.log.see(mission)
-        moment = Moment(mission, self.log.seen)
-        at = (moment.episodes, mission.step[moment.episodes])
+        view = StepView(mission, self.log.seen)
+        at = (view.episodes, mission.step[view.episodes])
         for key, one in self._live.items():
-            self._taken[key][at] = one.at(moment)
+            self._taken[key][at] = one.at(view)
 
     def _start(self, mission: Mission) -> None:
         shape = (mission.step.size, self._setup.scenario.horizon + 1)

@@ -7,7 +7,7 @@ import numpy as np
 from mjforage import metrics
 from mjforage.mission.mission import Mission
 from mjforage.mission.mission_metrics.known import metric
-from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
 
 
 @metric
@@ -24,11 +24,11 @@ class Contact(Metric):
         """Whether there is a link."""
         return mission.exchange.link_log is not None
 
-    def at(self, moment: Moment) -> FloatArray:
+    def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
-        link = moment.mission.exchange.link_log
+        link = view.mission.exchange.link_log
         assert link is not None  # where it is, nothing is taken
-        return metrics.contact_share(link.contact[moment.episodes])
+        return metrics.contact_share(link.contact[view.episodes])
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
@@ -56,29 +56,29 @@ class Total(Metric):
 
 @metric
 class Delivered(Total):
-    """Looks of others that agents have heard, once for each sender and receiver."""
+    """Scans of others that agents have received, once for each sender and receiver."""
 
-    key, label, unit, counted = "delivered", "Delivered", "looks", "delivered"
+    key, label, unit, counted = "delivered", "Delivered", "scans", "delivered"
 
 
 @metric
 class Lost(Total):
-    """Looks that were sent and not received, once for each sender, receiver and decision."""
+    """Scans that were sent and not received, once for each sender, receiver and decision."""
 
-    key, label, unit, better, counted = "lost", "Lost", "looks", -1, "lost"
+    key, label, unit, better, counted = "lost", "Lost", "scans", -1, "lost"
 
 
 @metric
 class Dropped(Total):
-    """Looks that somebody in reach lacked and that a sender's budget did not suffice for, in every
+    """Scans that somebody in reach lacked and that a sender's budget did not suffice for, in every
     decision anew.
     """
 
-    key, label, unit, better, counted = "dropped", "Dropped", "looks", -1, "dropped"
+    key, label, unit, better, counted = "dropped", "Dropped", "scans", -1, "dropped"
 
 
 @metric
 class BytesSent(Total):
-    """Bytes that all agents sent; a look for several receivers is sent once."""
+    """Bytes that all agents sent; a scan for several receivers is sent once."""
 
     key, label, unit, better, counted = "bytes_sent", "Bytes_sent", "B", -1, "bytes"

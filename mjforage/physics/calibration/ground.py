@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 SIDE, PITCH_M, PERIOD_S = 5, 4.0, 10.0  # nodes, and the defaults of a scenario
 SENSORS = Sensors(  # of `comb-port-weather`
-    position_noise_m=0.1, heading_noise_deg=1.0, pickup_noise_m=0.1, pickup_view_deg=360.0
+    position_noise_m=0.1, heading_noise_deg=1.0, camera_noise_m=0.1, camera_fov_deg=360.0
 )
 _TEAM = {"foragers": Role(count=1, moves=1, radius=1.0, collects=True)}
 

@@ -39,10 +39,10 @@ def camera_of(sensors: Sensors, period: int, latency: int) -> Camera:
     period, latency : [control ticks]
     """
     return Camera(
-        sensors.pickup_noise_m,
-        sensors.pickup_range_noise_per_m,
-        math.radians(0.5 * sensors.pickup_view_deg),
-        sensors.pickup_range_m,
+        sensors.camera_noise_m,
+        sensors.camera_range_noise_per_m,
+        math.radians(0.5 * sensors.camera_fov_deg),
+        sensors.camera_range_m,
         sensors.position_noise_m,
         math.radians(sensors.heading_noise_deg),
         period,

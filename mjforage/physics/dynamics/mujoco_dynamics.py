@@ -104,15 +104,15 @@ class MujocoDynamics:
         self._helms = [helm_of(vessel) for vessel in known_vessels(fleet, self._choice)]
         self._chart = Chart(graph.navigable, graph.pitch_m)
         self._water = Water(self._chart.land, graph.pitch_m)
-        period, latency = scenario.sensors.pickup_period_s, scenario.sensors.pickup_latency_s
+        period, latency = scenario.sensors.camera_period_s, scenario.sensors.camera_latency_s
         self._camera = camera_of(
             scenario.sensors,
-            _times(period, CONTROL_S, f"sensors.pickup_period_s = {period:g} s"),
-            _times(latency, CONTROL_S, f"sensors.pickup_latency_s = {latency:g} s", 0),
+            _times(period, CONTROL_S, f"sensors.camera_period_s = {period:g} s"),
+            _times(latency, CONTROL_S, f"sensors.camera_latency_s = {latency:g} s", 0),
         )
-        self._has_camera = self._intake and scenario.sensors.pickup_noise_m > 0.0
+        self._has_camera = self._intake and scenario.sensors.camera_noise_m > 0.0
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
-        narrow = self._has_camera and scenario.sensors.pickup_view_deg < 360.0
+        narrow = self._has_camera and scenario.sensors.camera_fov_deg < 360.0
         self._reach = Reach(fleet.collects, self._size, self._water, narrow)
         self._harbour = Harbour(
             pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S

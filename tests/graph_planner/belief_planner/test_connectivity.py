@@ -34,7 +34,7 @@ NEWS = np.array([5, 18], np.int32)  # steps in which two items were first seen
 def seen_by(holder: int, heard: dict[int, int], step: int = 21) -> Observation:
     """An observation of one holder: the scout in a corner, the foragers in two others."""
     observation = observation_of(TASK, [(0, 0), (0, 20), (20, 0)], step=step)
-    observation.holder[:] = holder
+    observation.owner[:] = holder
     for agent, when in heard.items():
         observation.agent_seen[0, agent] = when
     return observation
@@ -137,7 +137,7 @@ def test_beside_is_not_near_with_a_quay_between() -> None:
     graph = navigation_graph(cells, 1.0, False)
     team = task_of(graph, scouts=Role(1, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
     told = observation_of(replace(team, reach_node=5.0), [(0, 9), (0, 11)], step=21)
-    told.holder[:], told.agent_seen[0, 1] = 0, 10
+    told.owner[:], told.agent_seen[0, 1] = 0, 10
     ways = ways_of(graph, 2, team.rules.stay, team.rules.shorten)
     touch = Connectivity(replace(team, reach_node=5.0), BeliefSettings(), 1)
     assert touch.tells(told, 0, NEWS, ways) != NOBODY, "it has to go round"
@@ -163,7 +163,7 @@ def test_a_relay_beside_a_forager_brings_no_news() -> None:
     team = task_of(SEA, scouts=scouts, foragers=foragers, relays=relays)
     task = replace(team, reach_node=5.0)
     observation = observation_of(task, [(0, 0), (0, 20), (0, 21)], step=21)
-    observation.holder[:] = 1
+    observation.owner[:] = 1
     observation.agent_seen[0, 0] = 3
     touch = Connectivity(task, BeliefSettings(), 1)
     touch.note(observation, 0)
@@ -187,11 +187,11 @@ def test_a_relay_stands_where_the_others_are_in_its_reach() -> None:
     for far, col_from, col_to in ((14, 5, 9), (20, 9, 11)):
         seen = observation_of(task, [(5, 0), (5, far), (25, 20)], step=9)
         for holder in (0, 1):
-            seen.holder[:] = holder
+            seen.owner[:] = holder
             assert Connectivity(task, BeliefSettings(), 1).connects(seen, 0, WAYS) == NOBODY, (
                 "no relay"
             )
-        seen.holder[:] = 2
+        seen.owner[:] = 2
         node = Connectivity(task, BeliefSettings(), 1).connects(seen, 0, WAYS)
         away = [np.hypot(SEA.rows[node] - 5, SEA.cols[node] - col) for col in (0, far)]
         assert col_from <= SEA.cols[node] <= col_to and max(away) <= max(8.0, far / 2) + 1.5

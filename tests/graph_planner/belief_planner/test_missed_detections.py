@@ -24,7 +24,7 @@ HERE, BESIDE, THERE = 210, 211, 213  # on one row
 
 
 def looking(at: list[int], radius: list[int]) -> ms.Looking:
-    """Looks from nodes (look,) with radius numbers (look,)."""
+    """Scans from nodes (look,) with radius numbers (look,)."""
     nodes, numbers = np.array(at, np.int32), np.array(radius, np.int64)
     return ms.Looking(nodes, numbers, VIEWS, SEA.rows, SEA.cols)
 

@@ -72,7 +72,7 @@ def test_late_looks_tell_of_what_they_show_at_their_own_step() -> None:
     assert shown.sum() == 1
     looks = np.array([[[0, 0, SEA.node_of_cell[10, 20]]]], np.int32)
     believed.set_ground_truth(now)
-    heard = seen_at(1, {(0, 0): 0})._replace(late_looks=looks, late_shown=shown)
+    heard = seen_at(1, {(0, 0): 0})._replace(delayed_scans=looks, delayed_shown=shown)
     believed.learn(heard, 0)
     np.testing.assert_array_equal(told(believed), [(14.0, 26.0)])
     assert believed.since[0].tolist() == [0, UNHEARD]

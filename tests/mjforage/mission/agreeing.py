@@ -11,7 +11,7 @@ from mjforage.mission.mission_metrics import Scorer
 from mjforage.mission.task import NEVER, Observation
 from mjforage.scenario.fleet import UNLIMITED
 from tests.mjforage.mission.slow_link import SlowLink
-from tests.mjforage.mission.slow_minds import Look, Mind
+from tests.mjforage.mission.slow_minds import Mind, Scan
 from tests.mjforage.mission.slow_mission import SlowMission
 
 
@@ -44,12 +44,12 @@ def agree(mission: Mission, slow: list[SlowMission]) -> None:
         np.testing.assert_allclose(
             mission.idleness(np.array([e]))[0], oracle.idleness(), atol=1e-12
         )
-        for holder, mind in enumerate(oracle.minds):
-            row = e * len(oracle.minds) + holder
+        for owner, mind in enumerate(oracle.minds):
+            row = e * len(oracle.minds) + owner
             _mind(held, row, oracle, mind)
-            assert held.holder[row] == (holder if len(oracle.minds) > 1 else -1)
+            assert held.owner[row] == (owner if len(oracle.minds) > 1 else -1)
             if oracle.link and mission.active[e]:
-                _late(mission, held, row, oracle.late[holder])
+                _late(mission, held, row, oracle.delayed[owner])
 
 
 def _agents(mission: Mission, e: int, oracle: SlowMission) -> None:
@@ -95,27 +95,27 @@ def _mind(seen: Observation, row: int, oracle: SlowMission, mind: Mind) -> None:
     last = [mind.newest.get(node, (NEVER, 0))[0] for node in range(belief.size)]
     assert seen.last_seen[row].tolist() == last
     for a, agent in enumerate(oracle.agents):
-        look = mind.of.get(a, oracle.looks[a, 0])
-        heard = a in mind.of
-        assert seen.agent_seen[row, a] == (look.step if heard else 0)
-        assert seen.agent_node[row, a] == look.node
-        assert seen.energy_left[row, a] == pytest.approx(look.energy_left)
-        room = UNLIMITED if math.isinf(look.room_left) else look.room_left
+        scan = mind.of.get(a, oracle.scans[a, 0])
+        received = a in mind.of
+        assert seen.agent_seen[row, a] == (scan.step if received else 0)
+        assert seen.agent_node[row, a] == scan.node
+        assert seen.energy_left[row, a] == pytest.approx(scan.energy_left)
+        room = UNLIMITED if math.isinf(scan.room_left) else scan.room_left
         assert seen.room_left[row, a] == room, agent
-        assert seen.taken[row, a] == look.taken
-        assert seen.pickup[row, a] == look.took
-        assert seen.agent_yaw[row, a] == pytest.approx(look.yaw)
+        assert seen.taken[row, a] == scan.taken
+        assert seen.pickup[row, a] == scan.took
+        assert seen.agent_yaw[row, a] == pytest.approx(scan.yaw)
 
 
-def _late(mission: Mission, held: Observation, row: int, late: list[Look]) -> None:
-    listed = held.late_looks[row]
-    told = [tuple(look) for look in listed.tolist() if look[0] >= 0]
-    assert told == [(look.step, look.agent, look.node) for look in late]
-    for i, look in enumerate(late):
-        radius = int(mission.task.radius_number[look.agent])
-        nodes = mission.task.views.of(look.node, radius).tolist()
-        shown = zip(nodes, held.late_shown[row, i].tolist(), strict=False)
-        assert {node: items for node, items in shown if items >= 0} == look.counts
+def _late(mission: Mission, held: Observation, row: int, delayed: list[Scan]) -> None:
+    listed = held.delayed_scans[row]
+    told = [tuple(scan) for scan in listed.tolist() if scan[0] >= 0]
+    assert told == [(scan.step, scan.agent, scan.node) for scan in delayed]
+    for i, scan in enumerate(delayed):
+        radius = int(mission.task.radius_number[scan.agent])
+        nodes = mission.task.views.of(scan.node, radius).tolist()
+        shown = zip(nodes, held.delayed_shown[row, i].tolist(), strict=False)
+        assert {node: items for node, items in shown if items >= 0} == scan.counts
 
 
 class SlowScores:
@@ -247,11 +247,11 @@ class SlowScores:
         for k, (t, _) in oracle.found.items():
             known = [
                 when
-                for (h, a, s), when in link.heard.items()
+                for (h, a, s), when in link.received.items()
                 if s >= t
                 and when <= oracle.step
                 and oracle.agents[h].role.collects
-                and oracle.looks[a, s].counts.get(oracle.item_nodes[s].get(k, -1), 0) > 0
+                and oracle.scans[a, s].counts.get(oracle.item_nodes[s].get(k, -1), 0) > 0
             ]
             known += [oracle.taken[k][0]] if k in oracle.taken else []
             waits.append((min(known, default=horizon) - t) / horizon)

@@ -1,4 +1,4 @@
-"""Who hears which look when, in plain Python: contacts, bad times, noise, budgets, latency."""
+"""Who receives which scan when, in plain Python: contacts, bad times, noise, budgets, latency."""
 
 import math
 
@@ -7,7 +7,7 @@ import numpy as np
 from mjforage.base.randomness import Stream, normal, stream_key
 from mjforage.scenario.scenario import Link
 from tests.mjforage.mission.slow_map import SlowMap
-from tests.mjforage.mission.slow_minds import Look, drawn
+from tests.mjforage.mission.slow_minds import Scan, drawn
 
 
 class SlowLink:
@@ -15,7 +15,7 @@ class SlowLink:
 
     Attributes
     ----------
-    heard : (holder, agent, step) -> step at which the holder hears that look
+    received : (owner, agent, step) -> step at which the owner receives that scan
     """
 
     def __init__(
@@ -23,7 +23,7 @@ class SlowLink:
     ) -> None:
         self.link, self.pitch_m, self.steps, self.key = link, pitch_m, horizon + 1, key
         self.relays = [one or link.relay for one in relays]
-        self.heard: dict[tuple[int, int, int], int] = {}
+        self.received: dict[tuple[int, int, int], int] = {}
         self.bad: set[tuple[int, int]] = set()
         self.copies: list[int] = []  # when each arrives, whoever has sent it too
         self.lost = self.dropped = self.bytes = 0
@@ -55,22 +55,22 @@ class SlowLink:
                 bad = draw < loss if step == 0 else draw >= to_good if was else draw < to_bad
                 (self.bad.add if bad else self.bad.discard)((i, j))
 
-    def garbled(self, n: int, i: int, j: int, look: Look, size: int, snr: float, now: int) -> bool:
+    def garbled(self, n: int, i: int, j: int, scan: Scan, size: int, snr: float, now: int) -> bool:
         """Whether noise spoils a packet of QPSK."""
         if snr == math.inf:
             return False
         bit = 0.5 * math.erfc(math.sqrt(10.0 ** (snr / 10.0)))
-        index = ((i * n + j) * n + look.agent) * self.steps + look.step
+        index = ((i * n + j) * n + scan.agent) * self.steps + scan.step
         return drawn(self.key, Stream.PACKETS, index, now) < 1.0 - (1.0 - bit) ** (8 * size)
 
     def exchange(
-        self, looks: dict[tuple[int, int], Look], at: list[int], water: SlowMap, now: int
+        self, scans: dict[tuple[int, int], Scan], at: list[int], water: SlowMap, now: int
     ) -> None:
-        """All send what others in contact lack, the newest first, and hear it `latency` later.
+        """All send what others in contact lack, the newest first, and receive it `latency` later.
 
         Parameters
         ----------
-        looks : (agent, step) -> all looks that were ever made
+        scans : (agent, step) -> all scans that were ever made
         """
         n = len(at)
         self.snr = {
@@ -78,11 +78,11 @@ class SlowLink:
         }
         self.pass_time(n, now)
         for a in range(n):
-            self.heard[a, a, now] = now
-        before, arriving = dict(self.heard), set[tuple[int, int, int]]()
+            self.received[a, a, now] = now
+        before, arriving = dict(self.received), set[tuple[int, int, int]]()
         for i in range(n):
             budget, cells = self.link.bytes or math.inf, self.link.cells or math.inf
-            for (a, s), look in sorted(looks.items(), key=lambda each: (-each[0][1], each[0][0])):
+            for (a, s), scan in sorted(scans.items(), key=lambda each: (-each[0][1], each[0][0])):
                 mine = before.get((i, a, s), now + 1) <= now and (a == i or self.relays[i])
                 lacking = [
                     j
@@ -91,18 +91,18 @@ class SlowLink:
                 ]
                 if not mine or not lacking:
                     continue
-                full = sum(items > 0 for items in look.counts.values())
+                full = sum(items > 0 for items in scan.counts.values())
                 if 6 + 3 * full > budget or 1 + full > cells:
                     self.dropped += 1
                     continue
                 budget, cells = budget - 6 - 3 * full, cells - 1 - full
                 self.bytes += 6 + 3 * full
                 for j in lacking:
-                    about = look, 6 + 3 * full, self.snr[i, j], now
+                    about = scan, 6 + 3 * full, self.snr[i, j], now
                     if (i, j) in self.bad or self.garbled(n, i, j, *about):
                         self.lost += 1
                     else:
                         arriving.add((j, a, s))
                         self.copies.append(now + self.link.latency)
         for each in arriving:
-            self.heard[each] = now + self.link.latency
+            self.received[each] = now + self.link.latency

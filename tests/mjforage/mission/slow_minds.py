@@ -1,4 +1,4 @@
-"""Looks and what is made of them, in plain Python: eyes that miss and invent, maps, filtered maps.
+"""Scans and what is made of them, in plain Python: imperfect sensors, maps, filtered maps.
 
 Draws are of the streams of `mjforage.base.randomness`; what they decide is worked out here.
 """
@@ -21,7 +21,7 @@ def drawn(key: int, stream: Stream, index: int, step: int) -> float:
 
 
 @dataclass(frozen=True)
-class Look:
+class Scan:
     """What an agent sees and says of itself at the end of a step."""
 
     step: int
@@ -35,7 +35,7 @@ class Look:
     yaw: float
 
 
-class Eyes:
+class SensorConfig:
     """How items in view are seen in one episode."""
 
     def __init__(self, scenario: Scenario, water: SlowMap, key: int) -> None:
@@ -44,14 +44,14 @@ class Eyes:
 
     def chance(self, distance: float) -> float:
         """Chance to detect a mean item."""
-        eyes = self.sensors
-        if eyes.detection_table:
-            at, chances = np.array(eyes.detection_table).T
+        sensors = self.sensors
+        if sensors.detection_table:
+            at, chances = np.array(sensors.detection_table).T
             return float(np.interp(distance, at, chances))
-        if eyes.half_range_node == 0.0:
-            return eyes.detection
-        return eyes.detection / (
-            1.0 + math.exp((distance - eyes.half_range_node) / eyes.slope_node)
+        if sensors.half_range_node == 0.0:
+            return sensors.detection
+        return sensors.detection / (
+            1.0 + math.exp((distance - sensors.half_range_node) / sensors.slope_node)
         )
 
     def hardness(self, item: int) -> float:
@@ -91,7 +91,7 @@ class Eyes:
         self.met["overlooked beside another"] += merged
         return not merged
 
-    def ghost(self, node: int, step: int) -> bool:
+    def false_positive(self, node: int, step: int) -> bool:
         """Whether an item is seen in a node that is none."""
         epoch = step // self.sensors.false_hold
         there = drawn(self.key, Stream.GHOSTS, node, epoch) < self.sensors.false_rate
@@ -101,21 +101,21 @@ class Eyes:
 
 @dataclass
 class Mind:
-    """One who has heard of looks."""
+    """One who has received scans."""
 
     scenario: Scenario
-    eyes: Eyes
-    looks: list[Look] = field(default_factory=list)
+    sensors: SensorConfig
+    scans: list[Scan] = field(default_factory=list)
     newest: dict[int, tuple[int, int]] = field(default_factory=dict)  # node -> (step, items)
-    of: dict[int, Look] = field(default_factory=dict)  # agent -> its newest look
+    of: dict[int, Scan] = field(default_factory=dict)  # agent -> its newest scan
 
-    def hear(self, look: Look) -> None:
-        """Remember a look."""
-        self.looks.append(look)
-        for node, items in look.counts.items():
-            self.newest[node] = max(self.newest.get(node, (-1, -1)), (look.step, items))
-        if look.agent not in self.of or look.step >= self.of[look.agent].step:
-            self.of[look.agent] = look
+    def receive(self, scan: Scan) -> None:
+        """Remember a scan."""
+        self.scans.append(scan)
+        for node, items in scan.counts.items():
+            self.newest[node] = max(self.newest.get(node, (-1, -1)), (scan.step, items))
+        if scan.agent not in self.of or scan.step >= self.of[scan.agent].step:
+            self.of[scan.agent] = scan
 
     def belief(self) -> dict[int, int]:
         """Items believed in every node that was seen."""
@@ -125,14 +125,14 @@ class Mind:
         return {node: math.floor(items + 0.5) for node, items in self._expected().items()}
 
     def _expected(self) -> dict[int, float]:
-        """Items expected, from all looks since the start: those of one step count once."""
-        water, false = self.eyes.water, self.scenario.sensors.false_rate
+        """Items expected, from all scans since the start: those of one step count once."""
+        water, false = self.sensors.water, self.scenario.sensors.false_rate
         counts: dict[tuple[int, int], int] = {}
         chances: dict[tuple[int, int], float] = {}
-        for look in self.looks:
-            for node, items in look.counts.items():
-                at = look.step, node
-                chance = self.eyes.chance(water.apart(look.node, node))
+        for scan in self.scans:
+            for node, items in scan.counts.items():
+                at = scan.step, node
+                chance = self.sensors.chance(water.apart(scan.node, node))
                 counts[at] = max(counts.get(at, 0), items)
                 chances[at] = max(chances.get(at, 0.0), chance)
         expected: dict[int, float] = {}

@@ -17,7 +17,7 @@ from mjforage.mission.setup import Setup
 from mjforage.scenario.fleet import Role
 from tests.mjforage.mission.slow_link import SlowLink
 from tests.mjforage.mission.slow_map import COMPASS, SlowMap
-from tests.mjforage.mission.slow_minds import Eyes, Look, Mind, drawn
+from tests.mjforage.mission.slow_minds import Mind, Scan, SensorConfig, drawn
 
 STAY = 8
 
@@ -70,16 +70,16 @@ class SlowMission:
         self.total = len(self.items)
         self.found: dict[int, tuple[int, int]] = {}  # item -> (step, agent)
         self.taken: dict[int, tuple[int, int]] = {}
-        self.eyes = Eyes(scenario, self.water, self.key)
-        self.looks: dict[tuple[int, int], Look] = {}
-        self.pooled = Mind(scenario, self.eyes)
-        self.late: list[list[Look]] = []
+        self.sensors = SensorConfig(scenario, self.water, self.key)
+        self.scans: dict[tuple[int, int], Scan] = {}
+        self.pooled = Mind(scenario, self.sensors)
+        self.delayed: list[list[Scan]] = []
         self.link, self.minds = None, [self.pooled]
         if scenario.link.model != "ideal":
             relays = [agent.role.relays for agent in self.agents]
             about = scenario.map.pitch_m, scenario.horizon, relays, self.key
             self.link = SlowLink(scenario.link, *about)
-            self.minds = [Mind(scenario, self.eyes) for _ in self.agents]
+            self.minds = [Mind(scenario, self.sensors) for _ in self.agents]
         self.item_nodes: list[dict[int, int]] = []
         self._look()
 
@@ -156,7 +156,7 @@ class SlowMission:
             known = [d for d in open_to if d != STAY and belief.get(options[d][0], 0) > 0]
             open_to = known or open_to
         draw = drawn(self.key, Stream.CORRUPTION, len(self.agents) + number, self.step)
-        self.eyes.met["random action"] += 1
+        self.sensors.met["random action"] += 1
         return open_to[int(draw * len(open_to))]
 
     def mind_of(self, number: int) -> Mind:
@@ -174,7 +174,7 @@ class SlowMission:
                 best = max(options, key=lambda d, n=number: preferences[n, d])  # type: ignore[misc]
             ways[number] = (STAY, agent.node, 0) if best is None else (best, *options[best])
             agent.blocked = best is None
-            self.eyes.met["blocked"] += agent.blocked
+            self.sensors.met["blocked"] += agent.blocked
             chosen.add(ways[number][1])
         for number, (direction, node, steps) in ways.items():
             agent = self.agents[number]
@@ -188,8 +188,8 @@ class SlowMission:
         """Agents that collect take what is in their node, while they have room."""
         for number, agent in enumerate(self.agents):
             agent.took = False
-            self.eyes.met["full"] += agent.room_left == 0
-            self.eyes.met["out of energy"] += agent.energy_left < 1.0
+            self.sensors.met["full"] += agent.room_left == 0
+            self.sensors.met["out of energy"] += agent.energy_left < 1.0
             for k in sorted(self.items) if agent.role.collects else ():
                 if self.water.node_of(self.items[k]) == agent.node and agent.room_left > 0:
                     del self.items[k]
@@ -218,7 +218,7 @@ class SlowMission:
     def in_view(self, number: int) -> list[int]:
         """Nodes that an agent sees now."""
         agent = self.agents[number]
-        return self.eyes.in_view(agent.node, agent.role.radius, agent.yaw)
+        return self.sensors.in_view(agent.node, agent.role.radius, agent.yaw)
 
     def _seen_by(self, number: int, where: dict[int, int]) -> dict[int, int]:
         """Node -> items that an agent sees; items not seen by anybody before are found."""
@@ -228,22 +228,22 @@ class SlowMission:
             if node not in counts:
                 continue
             away = self.water.apart(agent.node, node)
-            if self.eyes.detects(k, away, self.step, counts[node] > 0):
+            if self.sensors.detects(k, away, self.step, counts[node] > 0):
                 counts[node] += 1
                 self.found.setdefault(k, (self.step, number))
         manned = {other.node for other in self.agents if other.role.collects}
         for node in counts if sensors.false_rate else ():
-            counts[node] += node not in manned and self.eyes.ghost(node, self.step)
+            counts[node] += node not in manned and self.sensors.false_positive(node, self.step)
         return counts
 
     def _look(self) -> None:
-        """All look, those that do not collect first; then looks are passed on."""
+        """All scan, those that do not collect first; then scans are passed on."""
         where = {k: self.water.node_of(place) for k, place in sorted(self.items.items())}
         self.item_nodes.append(where)
         numbers = range(len(self.agents))
         for number in sorted(numbers, key=lambda a: (self.agents[a].role.collects, a)):
             agent = self.agents[number]
-            self.looks[number, self.step] = look = Look(
+            self.scans[number, self.step] = scan = Scan(
                 step=self.step,
                 agent=number,
                 node=agent.node,
@@ -254,23 +254,23 @@ class SlowMission:
                 took=agent.took,
                 yaw=agent.yaw,
             )
-            self.pooled.hear(look)
+            self.pooled.receive(scan)
         if self.link:
             self._pass_on(self.link)
 
     def _pass_on(self, link: SlowLink) -> None:
         at = [agent.node for agent in self.agents]
-        link.exchange(self.looks, at, self.water, self.step)
-        self.late = [[] for _ in self.minds]
-        for (holder, a, s), when in sorted(link.heard.items(), key=lambda one: one[0][::-1]):
+        link.exchange(self.scans, at, self.water, self.step)
+        self.delayed = [[] for _ in self.minds]
+        for (owner, a, s), when in sorted(link.received.items(), key=lambda one: one[0][::-1]):
             if when == self.step:
-                self.minds[holder].hear(self.looks[a, s])
+                self.minds[owner].receive(self.scans[a, s])
                 if s < self.step:
-                    self.late[holder].append(self.looks[a, s])
-                    self.eyes.met["heard late"] += 1
+                    self.delayed[owner].append(self.scans[a, s])
+                    self.sensors.met["received late"] += 1
 
     def advance(self, preferences: NDArray[np.float64]) -> None:
-        """One step: move, collect, drift, look."""
+        """One step: move, collect, drift, scan."""
         self.step += 1
         self.move(preferences)
         self.collect()
@@ -278,7 +278,7 @@ class SlowMission:
         self._look()
 
     def idleness(self) -> NDArray[np.float64]:
-        """(node,) 1 before the first look, then 0 and growing by 1 / (0.9 T)."""
+        """(node,) 1 before the first scan, then 0 and growing by 1 / (0.9 T)."""
         growth = 1.0 / (0.9 * self.scenario.horizon)
         seen = self.pooled.newest
         unseen_for = [self.step - seen[n][0] if n in seen else math.inf for n in self._nodes]

@@ -29,14 +29,14 @@ SETTINGS = {
     "all": (*RADIO, *SENSORS, *ROLES),
 }
 SCRATCH = {
-    *("in_view", "found", "counted", "best", "place", "manned"),  # of looks
-    *("arriving", "wanted", "heard"),  # of mail
+    *("in_view", "found", "counted", "best", "place", "manned"),  # of scans
+    *("arriving", "wanted", "received"),  # of inbox
     *("draws", "shift", "beyond", "gone"),  # of the items' drift
     "_resolver",  # of moves
 }
 """Memory that a step writes before it reads it."""
 FREE = {
-    "initial": "of the batch's first episodes, as `Mission.adopt` says",
+    "initial": "of the batch's first episodes, as `Mission.replace_episodes` says",
     "_moves": "of the last decision, which adopting is none",
     "_wind": "for a trajectory recorder, which no batch that adopts has",
 }
@@ -72,10 +72,10 @@ def assert_rows(one: Mission, other: Mission, rows: list[int], but: set[str] = S
     mine, theirs = held(one, but), held(other, but)
     assert mine.keys() == theirs.keys() and len(mine) > 100
     assert written(mine) == written(theirs)
-    episodes, holders = one.keys.size, one.exchange.holders
+    episodes, owners = one.keys.size, one.exchange.owners
     for path, array in mine.items():
         twin, chosen = theirs[path], np.arange(len(array) if array.ndim else 0)
-        if chosen.size in (episodes, episodes * holders):
+        if chosen.size in (episodes, episodes * owners):
             chosen = chosen.reshape(episodes, -1)[rows].reshape(-1)
         if array.ndim:
             array, twin = unpadded(array[chosen], twin[chosen])
@@ -106,7 +106,7 @@ def test_adopted_episodes_are_those_of_a_fresh_mission(name: str) -> None:
     into, kept = (played(started(setup, 1, 2, 3), 6, "belief") for _ in range(2))
     spare = played(started(setup, 4), 3)
     spare.start(episode_keys(5, np.array([6, 7])))
-    into.adopt(np.array([2, 0]), spare)
+    into.replace_episodes(np.array([2, 0]), spare)
     fresh = started(setup, 7, 2, 6)
     counts = [mission.initial.n_items for mission in (kept, fresh)]
     assert counts[0].max() != counts[1].max(), "one is padded"

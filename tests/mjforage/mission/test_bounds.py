@@ -63,15 +63,15 @@ def test_a_bound_is_shown_the_truth_before_every_decision() -> None:
     assert watcher.told == []
 
 
-@pytest.mark.parametrize(("link", "holders"), [("none", 4), ("ideal", 1)])
-def test_a_bound_that_is_apart_decides_for_each_holder(link: str, holders: int) -> None:
+@pytest.mark.parametrize(("link", "owners"), [("none", 4), ("ideal", 1)])
+def test_a_bound_that_is_apart_decides_for_each_holder(link: str, owners: int) -> None:
     peeper, pooled = ApartPeeper(), Peeper()
     mission = played(peeper, f"link.model={link}")
-    assert peeper.rows == 3 * holders
+    assert peeper.rows == 3 * owners
     told, start = peeper.told[0], mission.initial
-    np.testing.assert_array_equal(told.item_rc, np.repeat(start.item_rc, holders, axis=0))
-    np.testing.assert_array_equal(told.item_node, np.repeat(start.item_node, holders, axis=0))
-    np.testing.assert_array_equal(told.drift_rc, np.repeat(start.drift_rc, holders, axis=0))
+    np.testing.assert_array_equal(told.item_rc, np.repeat(start.item_rc, owners, axis=0))
+    np.testing.assert_array_equal(told.item_node, np.repeat(start.item_node, owners, axis=0))
+    np.testing.assert_array_equal(told.drift_rc, np.repeat(start.drift_rc, owners, axis=0))
     played(pooled, f"link.model={link}")
     assert pooled.told[0].item_node.shape[0] == 3
 
@@ -80,12 +80,12 @@ LINK = ("horizon=60", "link.model=disk", "link.range_m=40", "link.latency=1")
 
 
 class Recorder:
-    """The oracle of what was heard; keeps what it is shown and answers."""
+    """The oracle of what was received; keeps what it is shown and answers."""
 
     decentralised = True
 
     def __init__(self) -> None:
-        self.oracle = create_policy("oracle(heard=true)")
+        self.oracle = create_policy("oracle(received=true)")
         self.seen: list[Observation] = []
         self.told: list[GroundTruth] = []
         self.answers: list[NDArray[np.float64]] = []
@@ -125,7 +125,7 @@ def test_the_oracle_of_what_was_heard_knows_nothing_else() -> None:
     unheard = since == UNHEARD
     assert unheard.any() and not unheard.all()
     apart = unheard.reshape(2, 4, -1)
-    assert (apart != apart[:, :1]).any(), "holders have heard of different items"
+    assert (apart != apart[:, :1]).any(), "owners have received different items"
     kept = answers_to(first, mission, unheard)
     for one, other in zip(first.answers, kept.answers, strict=True):
         np.testing.assert_array_equal(one, other)
@@ -136,7 +136,7 @@ def test_the_oracle_of_what_was_heard_knows_nothing_else() -> None:
 def test_the_oracle_alone_is_marked() -> None:
     assert [name for name in policy_names() if is_upper_bound(name)] == ["oracle"]
     assert policy_name("oracle", ["oracle"]) == "oracle (bound)"
-    assert is_upper_bound("oracle(heard=true)")
+    assert is_upper_bound("oracle(received=true)")
     assert not hasattr(create_policy("belief"), "set_ground_truth")
 
 
@@ -163,7 +163,7 @@ def test_a_batch_that_took_in_other_episodes_is_told_their_drift() -> None:
     spare.reset(0, np.arange(7, 8))
     own = mission.truth.drift_rc.copy()
     np.testing.assert_array_equal(own, mission.initial.drift_rc)
-    mission.adopt(np.array([1]), spare)
+    mission.replace_episodes(np.array([1]), spare)
     expected = own.copy()
     expected[1] = spare.initial.drift_rc[0]
     assert (expected != own).any()

@@ -187,8 +187,8 @@ def test_chances_become_decisions_lost_over_an_item_and_over_one_more() -> None:
     trials = 1_000_000
     cells = []
     for cell in load_capture("forager").cells:
-        late = cell.from_m == 5.0
-        taken = (0, 500_000, 375_000) if late else (500_000, 375_000, 100_000)
+        delayed = cell.from_m == 5.0
+        taken = (0, 500_000, 375_000) if delayed else (500_000, 375_000, 100_000)
         cells.append(replace(cell, trials=trials, taken=taken))
     follows = tuple(CaptureFollow(quays, trials, trials // 4) for quays in QUAYS)
     capture = Capture(10.0, tuple(cells), follows)
@@ -263,6 +263,6 @@ def test_an_adopted_episode_goes_on_as_in_its_own_batch() -> None:
     for step in (1, 2):
         advance(tried, old, step)
     rule, state = started(table, [(0.0, 0.25)], 2)
-    rule.adopt(np.array([1]), tried, state)
+    rule.replace_episodes(np.array([1]), tried, state)
     advance(rule, state, 3)
     assert state.pickup[:, 0].tolist() == [MISSED, TAKEN]

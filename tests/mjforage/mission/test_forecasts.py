@@ -37,12 +37,12 @@ def test_all_holders_of_an_episode_count() -> None:
     assert forecasts.sums[0, 5] == pytest.approx([2.0, 1.0, 2.0, 0.5])
     assert forecasts.sums[1, 5] == pytest.approx([2.0, 1.0, 1.0, 0.5])
     other = Forecasts(1)
-    forecasts.adopt(np.array([1]), other)
+    forecasts.replace_episodes(np.array([1]), other)
     assert (forecasts.sums[1] == 0.0).all() and forecasts.sums[0].sum() > 0.0
 
 
 def test_items_in_view_are_foretold_with_certainty() -> None:
-    """Before the first move, by perfect eyes: those nodes are in the last tenth of the chances."""
+    """Before the first move, by perfect sensors: those nodes are in the last tenth."""
     mission = Mission(Setup.of(load_scenario("comb-port")))
     mission.reset(2, np.arange(24))
     in_view = (mission.knowledge.belief > 0).sum(axis=1)
@@ -56,7 +56,7 @@ def test_items_in_view_are_foretold_with_certainty() -> None:
 
 
 def test_the_belief_planner_forecasts_with_skill_and_others_not_at_all() -> None:
-    """Better than the base rate, and calibrated to .02 where it knows its eyes."""
+    """Better than the base rate, and calibrated to .02 where it knows its sensors."""
     overrides = ["horizon=60", "sensors.detection=0.7", "prior.detection=0.7"]
     scores = {}
     for policy in ("belief", "greedy"):

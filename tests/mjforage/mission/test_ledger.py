@@ -1,4 +1,4 @@
-"""The ledger and looks that may miss items: what is in view is seen or not, by item and step."""
+"""The ledger and scans that may miss items: what is in view is seen or not, by item and step."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -23,7 +23,7 @@ def resolve(
     corruption: Corruption | None = None,
     belief: NDArray[np.int16] | None = None,
     order: tuple[str, ...] = (),
-    holder_of: tuple[int, ...] | None = None,
+    owner_of: tuple[int, ...] | None = None,
 ) -> Moves:
     """Resolve one step in which every agent ranks its wished moves first to last."""
     fleet = Fleet.of(roles, order)
@@ -41,7 +41,7 @@ def resolve(
         np.zeros((episodes, len(graph)), np.int16) if belief is None else belief,
         np.ones(episodes, np.int32),
         episode_keys(0, np.arange(episodes)),
-        None if holder_of is None else np.array(holder_of),
+        None if owner_of is None else np.array(owner_of),
     )
 
 
@@ -182,7 +182,7 @@ def test_the_whole_team_draw_corrupts_together_and_still_takes_a_known_item_besi
 
 
 def test_a_corrupted_agent_takes_only_an_item_that_it_knows_of_itself() -> None:
-    """Two agents of two holders have an item to the east; only the second holder knows of one."""
+    """Two agents of two owners have an item to the east; only the second owner knows of one."""
     teams, episodes = {"foragers": Role(2, 1, 1.0, True)}, 200
     belief = np.zeros((episodes, 2, len(WATER)), np.int16)
     for cell in ((1, 1), (3, 1)):
@@ -192,7 +192,7 @@ def test_a_corrupted_agent_takes_only_an_item_that_it_knows_of_itself() -> None:
         episodes=episodes,
         corruption=Corruption(np.array([1.0, 1.0]), whole_team=True),
         belief=belief.reshape(2 * episodes, -1),
-        holder_of=(0, 1),
+        owner_of=(0, 1),
     )
     assert (moves.direction[:, 1] == E).all()
     assert 0.05 < (moves.direction[:, 0] == E).mean() < 0.5, "one legal move of six"

@@ -51,10 +51,10 @@ def test_what_is_of_other_types_is_converted() -> None:
         np.testing.assert_array_equal(array, one)
 
 
-def late(column: int, number: int) -> NDArray[np.int32]:
-    looks = np.full((2, 1, 3), -1, np.int32)
-    looks[0, 0, column] = number
-    return looks
+def delayed(column: int, number: int) -> NDArray[np.int32]:
+    scans = np.full((2, 1, 3), -1, np.int32)
+    scans[0, 0, column] = number
+    return scans
 
 
 WRONG: list[tuple[dict[str, Any], str]] = [
@@ -70,11 +70,11 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"known": np.full((2, 42), 1 << 30, np.int32)}, r"known = 1073741824: expected 0 to 41"),
     ({"step": np.full(2, 500, np.int32)}, r"step = 500: expected 1 to 151"),
     ({"pickup": np.full((2, 2), 9, np.int8)}, r"pickup = 9: expected 0 to 3"),
-    ({"holder": np.full(2, 2, np.int32)}, r"holder = 2: expected -1 to 1"),
+    ({"owner": np.full(2, 2, np.int32)}, r"owner = 2: expected -1 to 1"),
     ({"agent_yaw": np.full((2, 2), np.inf)}, r"agent_yaw = inf: expected"),
     ({"energy_left": np.full((2, 2), np.nan)}, r"energy_left = nan: expected"),
     ({"active": np.ones(5, np.bool_)}, r"active: has shape \(5,\), expected \(2,\)"),
-    ({"late_looks": late(0, 151)}, r"late_shown: has shape"),
+    ({"delayed_scans": delayed(0, 151)}, r"delayed_shown: has shape"),
 ]
 
 
@@ -92,8 +92,8 @@ def test_what_does_not_fit_is_refused_by_name(
 @pytest.mark.parametrize(("column", "number"), [(0, 200), (1, 2), (2, 42), (2, -2)])
 def test_late_looks_are_of_agents_at_nodes(column: int, number: int) -> None:
     shown = np.zeros((2, 1, int(np.diff(TASK.views.start, axis=1).max())), np.int16)
-    with pytest.raises(UserError, match=f"late_looks .* = {number}: expected"):
-        Plain(TASK, 2)(seen()._replace(late_looks=late(column, number), late_shown=shown))
+    with pytest.raises(UserError, match=f"delayed_scans .* = {number}: expected"):
+        Plain(TASK, 2)(seen()._replace(delayed_scans=delayed(column, number), delayed_shown=shown))
 
 
 def test_an_observation_of_other_episodes_or_another_map_is_refused() -> None:
@@ -111,7 +111,7 @@ def _rest(task: Task) -> tuple[Any, ...]:
 def test_what_takes_the_place_of_a_lent_array_is_looked_at() -> None:
     plain, observation = Plain(TASK, 2), lent()
     plain(observation)
-    for name in ("agent_node", "step", "known", "holder"):
+    for name in ("agent_node", "step", "known", "owner"):
         wrong = np.full_like(getattr(observation, name), 999)
         with pytest.raises(UserError, match=f"{name} = 999"):
             plain(observation._replace(**{name: wrong}))

@@ -30,7 +30,7 @@ VARIANTS = {
 }
 MET = (
     *("blocked", "random action", "full", "out of energy", "out of the field of view", "missed"),
-    *("overlooked beside another", "invented", "heard late"),
+    *("overlooked beside another", "invented", "received late"),
 )
 
 
@@ -48,11 +48,11 @@ def compared(setup: Setup, seed: int, episodes: int = 2) -> Counter[str]:
 
     play(mission, slow, seed, see)
     score_alike(scorer, scores)
-    return sum((oracle.eyes.met for oracle in slow), Counter())
+    return sum((oracle.sensors.met for oracle in slow), Counter())
 
 
 def test_kernels_agree_on_random_scenarios() -> None:
-    """Every step of two episodes: all that agents do, know, see, hear and score."""
+    """Every step of two episodes: all that agents do, know, see, receive and score."""
     met = Counter[str]()
 
     # The first that differs is told as it is: to make it smaller takes minutes.

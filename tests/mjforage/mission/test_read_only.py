@@ -19,13 +19,13 @@ from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import RewardTerms
 from mjforage.learning.environments.rewards.term import Amounts, Step
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
 from mjforage.mission.mission_metrics.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
-from mjforage.testing.two_holders import TwoHolders
+from mjforage.testing.two_owners import TwoOwners
 
 OWN = ("mjforage",)
 SCRATCH = ("workspace",)  # room for searches, which is there to be written to
@@ -112,11 +112,11 @@ class Listed(Metric):
     key, label = "listed", "listed"
     found: ClassVar[list[str]] = []
 
-    def at(self, moment: Moment) -> FloatArray:
-        self.found.extend(writable(moment))
-        kept = moment.cached(lambda one: np.ones(3))
+    def at(self, view: StepView) -> FloatArray:
+        self.found.extend(writable(view))
+        kept = view.cached(lambda one: np.ones(3))
         assert not kept.flags.writeable
-        return np.zeros(len(moment.episodes))
+        return np.zeros(len(view.episodes))
 
     def value(self, batch: Batch) -> FloatArray:
         self.found.extend(writable(batch))
@@ -148,7 +148,7 @@ def test_policies_bounds_and_metrics_can_write_to_nothing(
 
 def test_a_fleet_in_another_s_exchange_cannot_be_written_to() -> None:
     setup = Setup.of(load_scenario("comb-port", ["horizon=3"]))
-    mission, policy = Mission(setup, exchange=TwoHolders()), Listing(decentralised=True)
+    mission, policy = Mission(setup, exchange=TwoOwners()), Listing(decentralised=True)
     mission.reset(0, np.arange(2))
     mission.run(policy)
     assert policy.found == []
@@ -180,7 +180,7 @@ def test_a_batch_that_took_in_other_episodes_can_not_be_written_to() -> None:
     guide = create_policy("greedy")
     mission.prepare(guide)
     mission.advance(mission.ask(guide))
-    mission.adopt(np.array([1]), spare)
+    mission.replace_episodes(np.array([1]), spare)
     assert writable(mission) == []
     assert mission.step.tolist() == [1, 0]
     mission.advance(mission.ask(guide))

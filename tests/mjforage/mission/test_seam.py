@@ -1,4 +1,4 @@
-"""A third role and holders who do not hear everything, added here alone: no package is edited."""
+"""A third role and owners who do not receive everything, added here alone: no package is edited."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,12 +13,12 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.exchange import Exchange
 from mjforage.mission.initial_state import InitialState
-from mjforage.mission.knowledge import Knowledge, Looks, hear
+from mjforage.mission.knowledge import Knowledge, Scans, receive
 from mjforage.mission.mission import Mission
 from mjforage.mission.mission_metrics import Scorer
 from mjforage.mission.policy import Policy
 from mjforage.mission.setup import Setup
-from mjforage.mission.task import Observation, Task, nothing_late
+from mjforage.mission.task import Observation, Task, no_delayed_scans
 from mjforage.scenario.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
 from tests.brief_policies import brief_policies
 
@@ -30,48 +30,48 @@ CARRYING = 12.0  # geodesic distance that the link of these tests bridges [node]
 
 
 class Groups:
-    """Holders that hear the looks of their own agents only, or of some others too, at once."""
+    """Owners that receive the scans of their own agents only, or of some others too, at once."""
 
     uses: frozenset[str] = frozenset()
     link_log = None
 
-    def __init__(self, holder_of: Sequence[int], hears: Sequence[Sequence[int]]) -> None:
-        """Prepare: `hears` is 1 where a holder (holder, agent) hears an agent's looks."""
-        self.holder_of = np.array(holder_of, np.int64)
-        self._hears = np.array(hears, np.bool_)
-        self.holders = len(self._hears)
+    def __init__(self, owner_of: Sequence[int], receives: Sequence[Sequence[int]]) -> None:
+        """Prepare: `receives` is 1 where an owner (owner, agent) receives an agent's scans."""
+        self.owner_of = np.array(owner_of, np.int64)
+        self._hears = np.array(receives, np.bool_)
+        self.owners = len(self._hears)
 
-    def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
+    def reset(self, task: Task, scans: Scans, pooled: Knowledge, keys: UInt64Array) -> None:
         self._task = task
-        self.late = nothing_late(looks.step.size * self.holders)
-        self.knowledge = Knowledge.of_starts(looks, len(task.graph), self.holders)
-        self.tell(looks, pooled)
+        self.delayed = no_delayed_scans(scans.step.size * self.owners)
+        self.knowledge = Knowledge.of_starts(scans, len(task.graph), self.owners)
+        self.update(scans, pooled)
 
-    def tell(self, looks: Looks, pooled: Knowledge) -> None:
+    def update(self, scans: Scans, pooled: Knowledge) -> None:
         task = self._task
-        hear(looks, self.heard(looks), task.views, task.radius_number, self.knowledge)
+        receive(scans, self.received(scans), task.views, task.radius_number, self.knowledge)
 
-    def heard(self, looks: Looks) -> NDArray[np.bool_]:
-        return np.tile(self._hears, (looks.step.size, 1))
+    def received(self, scans: Scans) -> NDArray[np.bool_]:
+        return np.tile(self._hears, (scans.step.size, 1))
 
-    def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
-        own = (rows[:, None] * self.holders + np.arange(self.holders)).reshape(-1)
+    def replace_episodes(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
+        own = (rows[:, None] * self.owners + np.arange(self.owners)).reshape(-1)
         self.knowledge = self.knowledge.with_rows(own, other.knowledge)
 
 
 class Relayed(Groups):
-    """Foragers hear scouts only while a relay is near enough to one of them."""
+    """Foragers receive scouts only while a relay is near enough to one of them."""
 
     uses = frozenset({"relays"})
 
-    def heard(self, looks: Looks) -> NDArray[np.bool_]:
-        fleet, at = self._task.fleet, looks.agent_node
+    def received(self, scans: Scans) -> NDArray[np.bool_]:
+        fleet, at = self._task.fleet, scans.agent_node
         relays, listeners = np.flatnonzero(fleet.relays), fleet.collectors
         distances = self._task.graph.distances[at[:, relays, None], at[:, None, listeners]]
         near = distances.min(axis=(1, 2)) <= CARRYING
-        heard = super().heard(looks).reshape(looks.step.size, self.holders, len(fleet))
-        heard[:, 1, fleet.discoverers] &= near.reshape(-1, 1)
-        return heard.reshape(-1, len(fleet))
+        received = super().received(scans).reshape(scans.step.size, self.owners, len(fleet))
+        received[:, 1, fleet.discoverers] &= near.reshape(-1, 1)
+        return received.reshape(-1, len(fleet))
 
 
 def setup_of(team: dict[str, Any], *overrides: str, order: Sequence[str] = ()) -> Setup:
@@ -117,7 +117,7 @@ def test_four_holders_that_hear_everything_are_one_to_the_bit(policy: str) -> No
         np.testing.assert_array_equal(getattr(four.log, name), getattr(one.log, name))
     courses = four.scores().courses
     for name, course in one.scores().courses.items():
-        if name in {"position_age", "disagreement"}:  # of one holder they are undefined
+        if name in {"position_age", "disagreement"}:  # of one owner they are undefined
             assert np.isnan(course).all() and (courses[name] == 0.0).all()
         elif name == "rmse_holders":
             np.testing.assert_allclose(courses[name], courses["rmse"], rtol=1e-12)
@@ -137,12 +137,12 @@ def test_who_hears_only_itself_knows_only_what_it_saw(policy: str) -> None:
     seen = own.last_seen.reshape(3, 2, -1)
     np.testing.assert_array_equal(seen.max(axis=1), pooled.last_seen)
     assert (seen[:, 1] < seen[:, 0]).any() and (seen[:, 0] < seen[:, 1]).any()
-    at, heard = own.agent_node.reshape(3, 2, 4), own.agent_seen.reshape(3, 2, 4)
-    for holder, agents, others in ((0, [0, 1], [2, 3]), (1, [2, 3], [0, 1])):
-        np.testing.assert_array_equal(at[:, holder, agents], mission.state.agent_node[:, agents])
-        assert (heard[:, holder, agents] == now).all() and (heard[:, holder, others] == 0).all()
+    at, received = own.agent_node.reshape(3, 2, 4), own.agent_seen.reshape(3, 2, 4)
+    for owner, agents, others in ((0, [0, 1], [2, 3]), (1, [2, 3], [0, 1])):
+        np.testing.assert_array_equal(at[:, owner, agents], mission.state.agent_node[:, agents])
+        assert (received[:, owner, agents] == now).all() and (received[:, owner, others] == 0).all()
         np.testing.assert_array_equal(
-            at[:, holder, others], mission.initial.agent_node[:, others], "where they started"
+            at[:, owner, others], mission.initial.agent_node[:, others], "where they started"
         )
 
 
@@ -182,13 +182,13 @@ def test_unheard_items_change_neither_what_a_holder_sees_nor_what_it_does() -> N
     """Items that only the watchers ever saw, and nobody took, are taken out of the world."""
     order = ("scouts", "foragers", "watchers")
     setup = setup_of({"watchers": WATCHERS}, "items.mean=400", "map.starts=[]", order=order)
-    holder_of, hears = [0, 0, 0, 0, 1, 1], [[1, 1, 1, 1, 0, 0], [0, 0, 0, 0, 1, 1]]
+    owner_of, receives = [0, 0, 0, 0, 1, 1], [[1, 1, 1, 1, 0, 0], [0, 0, 0, 0, 1, 1]]
     for policy in PLANNING:
         runs, gone = [], np.zeros(1, np.bool_)
         for _ in range(2):
             thinned = Thinned(setup.scenario, setup.grid)
             object.__setattr__(thinned, "gone", gone)
-            exchange, answers = Groups(holder_of, hears), Answers(create_policy(policy))
+            exchange, answers = Groups(owner_of, receives), Answers(create_policy(policy))
             mission = Mission(thinned, exchange=exchange)
             mission.reset(5, np.arange(3))
             in_view = [_in_view(mission)]
@@ -197,23 +197,23 @@ def test_unheard_items_change_neither_what_a_holder_sees_nor_what_it_does() -> N
                 mission.advance(mission.ask(answers))
                 in_view.append(_in_view(mission))
             runs.append((answers.shown, mission))
-            seen = np.stack(in_view, axis=1)  # (holder, step, episode, item)
+            seen = np.stack(in_view, axis=1)  # (owner, step, episode, item)
             taken = mission.state.collected_by >= 0  # a forager knows what it took, seen or not
             gone = seen[1].any(axis=0) & ~seen[0].any(axis=0) & ~taken
         (before, whole), (after, less) = runs
         assert (whole.ledger.entries.truth != less.ledger.entries.truth).any()
         told = {0: True, 1: True}
         for one, two in zip(before, after, strict=True):
-            for holder in told:
+            for owner in told:
                 for name, values in one.items():
-                    same = (values[holder::2] == two[name][holder::2]).all()
-                    told[holder] = told[holder] and bool(same)
+                    same = (values[owner::2] == two[name][owner::2]).all()
+                    told[owner] = told[owner] and bool(same)
         assert told == {0: True, 1: False}, "the watchers see the difference, the others nothing"
         np.testing.assert_array_equal(whole.state.agent_node[:, :4], less.state.agent_node[:, :4])
 
 
 def _in_view(mission: Mission) -> NDArray[np.bool_]:
-    """(2, episode, item) whether an agent of the first, the second holder sees each item."""
+    """(2, episode, item) whether an agent of the first, the second owner sees each item."""
     everyone, node = np.arange(mission.step.size), mission.state.item_node
     seen = [mission.times_seen(np.array(a), everyone) > 0 for a in ([0, 1, 2, 3], [4, 5])]
     return np.stack([np.take_along_axis(s, np.maximum(node, 0), axis=1) for s in seen]) & (
@@ -225,13 +225,13 @@ def test_a_relay_is_a_role_and_a_way_to_hear() -> None:
     setup = setup_of({"relays": RELAYS})
     with pytest.raises(UserError, match=r"team\.relays\.relays = true, but no rule"):
         Mission(setup)
-    hears = [[1, 1, 0, 0, 1], [1, 1, 1, 1, 1]]
-    exchange = Relayed([0, 0, 1, 1, 0], hears)
+    receives = [[1, 1, 0, 0, 1], [1, 1, 1, 1, 1]]
+    exchange = Relayed([0, 0, 1, 1, 0], receives)
     mission = Mission(setup, exchange=exchange)
     mission.reset(5, np.arange(20))
     mission.run(create_policy("wanderer"))
     age = mission.step[:, None] - exchange.knowledge.agent_seen.reshape(20, 2, 5)[:, 1, :2]
-    assert (age == 0).any() and (age > 0).any(), "some foragers hear the scouts at the end"
+    assert (age == 0).any() and (age > 0).any(), "some foragers receive the scouts at the end"
     assert (age[:, 0] == age[:, 1]).all()
 
 
@@ -249,7 +249,7 @@ def test_episodes_are_adopted_with_what_each_holder_knows() -> None:
             mission.advance(mission.ask(policy))
     into, source = both
     kept = into.exchange.knowledge.belief[[0, 1, 4, 5]]
-    into.adopt(np.array([1]), source)
+    into.replace_episodes(np.array([1]), source)
     np.testing.assert_array_equal(
         into.exchange.knowledge.belief[2:4], source.exchange.knowledge.belief
     )

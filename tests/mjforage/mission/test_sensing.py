@@ -1,4 +1,4 @@
-"""What looks miss and invent, by the numbers that the formulas give."""
+"""What scans miss and invent, by the numbers that the formulas give."""
 
 from dataclasses import replace
 
@@ -49,9 +49,9 @@ def test_three_looks_at_an_item() -> None:
     """1 - .3^3 = .973; with persistence .3 1 - prod (b + j)/(a + b + j) = .9047, a + b = 7/3."""
     for persistence, expected in ((0.0, 0.973), (0.3, 0.9047)):
         sensors = Sensors(detection=0.7, persistence=persistence)
-        for looks, share in ((1, 0.7), (3, expected)):
-            seen = found(Watched(SEA, sensors, [MIDDLE], [EAST], looks - 1, MANY))
-            assert abs(seen - share) < error(share), (persistence, looks, seen)
+        for scans, share in ((1, 0.7), (3, expected)):
+            seen = found(Watched(SEA, sensors, [MIDDLE], [EAST], scans - 1, MANY))
+            assert abs(seen - share) < error(share), (persistence, scans, seen)
 
 
 def test_detection_falls_with_the_distance() -> None:
@@ -112,7 +112,7 @@ def test_items_beside_one_that_is_seen_are_overlooked() -> None:
         assert abs((counts == count).mean() - expected) < error(expected)
 
 
-def ghosts(task: object, hold: int, at: list[int]) -> NDArray[np.int16]:
+def false_positives(task: object, hold: int, at: list[int]) -> NDArray[np.int16]:
     """(step, episode, place) what the first agent is shown of an empty sea."""
     sensors = Sensors(false_rate=0.05, false_hold=hold)
     shown = Watched(task, sensors, at, [-1], 5, 200).shown  # type: ignore[arg-type]
@@ -120,7 +120,7 @@ def ghosts(task: object, hold: int, at: list[int]) -> NDArray[np.int16]:
 
 
 def test_ghosts_are_of_node_and_epoch_and_nobody_discovers_them() -> None:
-    each, held = ghosts(SEA, 1, [MIDDLE]), ghosts(SEA, 3, [MIDDLE])
+    each, held = false_positives(SEA, 1, [MIDDLE]), false_positives(SEA, 3, [MIDDLE])
     for shown in (each, held):
         assert abs(shown.mean() - 0.05) < 4 * np.sqrt(0.05 * 0.95 / (2 * 200 * 49))
     assert (held[0] == held[1]).all() and (held[0] == held[2]).all() and (held[2] != held[3]).any()
@@ -168,11 +168,11 @@ def test_a_filtered_map_by_hand() -> None:
     task = task_of((5, 5), scouts=replace(SCOUT, count=2))  # 3 items expected in each node
     for at in ([11, 14], [14, 11]):
         belief = Watched(task, sensors, at, [-1], 0, 1).knowledge.belief[0]
-        assert belief[[6, 12, 13]].tolist() == [0, 0, 0], "the nearer look counts"
+        assert belief[[6, 12, 13]].tolist() == [0, 0, 0], "the nearer scan counts"
 
 
 def test_late_looks_weigh_as_those_of_their_time() -> None:
-    """A disk that delays a look by two decisions leaves the map of the ideal link, two later."""
+    """A disk that delays a scan by two decisions leaves the map of the ideal link, two later."""
     maps = []
     for link in (("link.model=disk",), ("link.model=disk", "link.latency=2")):
         overrides = ["sensors.detection=0.6", "sensors.map=filtered", "sensors.false_rate=0.01"]
@@ -190,7 +190,7 @@ def test_late_looks_weigh_as_those_of_their_time() -> None:
     for e in range(2):
         own = views.of(at[e, 0], number[0])
         others = np.concatenate([views.of(at[e, a], number[a]) for a in (1, 2, 3)])
-        far = np.setdiff1d(others, own)  # heard of by others alone
+        far = np.setdiff1d(others, own)  # received by others alone
         assert far.size
         np.testing.assert_array_equal(maps[1][5][4 * e, far], maps[0][3][4 * e, far])
         np.testing.assert_array_equal(maps[1][5][4 * e, own], maps[0][5][4 * e, own])
@@ -203,7 +203,7 @@ def test_late_looks_weigh_as_those_of_their_time() -> None:
         ("sensors.detection_table=[[0,0.5],[2,0.9]]", "chances that do not grow"),
         ("sensors.half_range_node=-1", "sensors.half_range_node = -1 is out of range"),
         ("sensors.map=best", "sensors.map"),
-        ("sensors.map=filtered", "looks miss and invent nothing"),
+        ("sensors.map=filtered", "scans miss and invent nothing"),
         ("sensors.persistence=0.3", "with the same chance of 1 near by"),
         ("sensors.false_hold=0", "sensors.false_hold = 0 is out of range"),
     ],

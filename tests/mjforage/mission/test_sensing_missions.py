@@ -1,4 +1,4 @@
-"""Missions whose looks miss and invent: the same beside whatever else is played, and blind to what
+"""Missions whose scans miss and invent: the same beside whatever else is played, and blind to what
 nobody has detected. `test_plain_mission` says what they see.
 """
 

@@ -1,4 +1,4 @@
-"""What a scenario's numbers come to in missions: whose moves are random, who is heard and seen."""
+"""What a scenario's numbers come to in missions: random moves, scans, ranges."""
 
 from pathlib import Path
 
@@ -45,8 +45,8 @@ def _pair(tmp_path: Path, apart: int, *overrides: str) -> Setup:
     return sea(tmp_path, "team.pilots.count=2", starts, *overrides)
 
 
-@pytest.mark.parametrize(("apart", "heard"), [(6, True), (7, False)])
-def test_a_radio_reaches_metres(apart: int, heard: bool, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("apart", "received"), [(6, True), (7, False)])
+def test_a_radio_reaches_metres(apart: int, received: bool, tmp_path: Path) -> None:
     """31 m, 6.2 nodes of 5 m: what one has just seen is known to the other, or not."""
     setup = _pair(tmp_path, apart, "link.model=disk", "link.range_m=31")
     assert setup.task.reach_node == pytest.approx(6.2)
@@ -55,7 +55,7 @@ def test_a_radio_reaches_metres(apart: int, heard: bool, tmp_path: Path) -> None
     told(mission, "stay", "stay")
     beyond = setup.graph.node_of_cell[17, [8, 8 + apart]]  # in view of one of them
     known = mission.held.last_seen[:, beyond] >= 0
-    assert known.sum() == (4 if heard else 2)
+    assert known.sum() == (4 if received else 2)
     assert known[[0, 1]].any(axis=1).all()
 
 

@@ -1,4 +1,4 @@
-"""Agents that stay where they are and look: what is known, and the ledger, by hand-made worlds."""
+"""Agents that stay where they are and scan: what is known, and the ledger, by hand-made worlds."""
 
 from dataclasses import replace
 
@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.mission.knowledge import Knowledge, Looks
+from mjforage.mission.knowledge import Knowledge, Scans
 from mjforage.mission.ledger import Ledger
-from mjforage.mission.looking import Lookout
 from mjforage.mission.moves import MoveRules
 from mjforage.mission.sensing import map_filter, no_shown
+from mjforage.mission.sensing_update import SensingUpdate
 from mjforage.mission.task import Task
 from mjforage.scenario.fleet import Fleet, Role
 from mjforage.scenario.scenario import Sensors
@@ -24,9 +24,9 @@ def task_of(shape: tuple[int, int], **teams: Role) -> Task:
     return Task(graph, Fleet.of(teams), MoveRules(True, True), 100)
 
 
-def looks_of(ledger: Ledger, at: NDArray[np.int32], shown: NDArray[np.int16]) -> Looks:
-    """Looks of step 0 from some nodes (episode, agent)."""
-    return Looks(
+def looks_of(ledger: Ledger, at: NDArray[np.int32], shown: NDArray[np.int16]) -> Scans:
+    """Scans of step 0 from some nodes (episode, agent)."""
+    return Scans(
         active=np.ones(len(at), np.bool_),
         step=np.zeros(len(at), np.int32),
         agent_node=at,
@@ -46,7 +46,7 @@ class Watched:
     Attributes
     ----------
     knowledge, entries : after the last step
-    shown : (step, episode, agent, place) what looks showed
+    shown : (step, episode, agent, place) what scans showed
     """
 
     def __init__(
@@ -59,21 +59,21 @@ class Watched:
         episodes: NDArray[np.int64] | int = 400,
         yaw: float = 0.0,
     ) -> None:
-        """Let agents at nodes ([episode,] agent) look at items in nodes (item,) from step 0 on."""
+        """Let agents at nodes ([episode,] agent) scan at items in nodes (item,) from step 0 on."""
         keys = episode_keys(0, np.arange(episodes) if isinstance(episodes, int) else episodes)
         item_node = np.tile(np.array(items, np.int32), (keys.size, 1))
         ledger = Ledger(task)
         ledger.reset(item_node)
         shown = no_shown(task, keys.size, sensors.perfect)
         nodes = np.broadcast_to(np.array(at, np.int32), (keys.size, len(task.fleet)))
-        looks = looks_of(ledger, np.ascontiguousarray(nodes), shown)
-        looks.agent_yaw[:] = yaw
-        self.knowledge, self.entries = Knowledge.of_starts(looks, len(task.graph)), ledger.entries
+        scans = looks_of(ledger, np.ascontiguousarray(nodes), shown)
+        scans.agent_yaw[:] = yaw
+        self.knowledge, self.entries = Knowledge.of_starts(scans, len(task.graph)), ledger.entries
         filtered = map_filter(replace(load_scenario("comb-port"), sensors=sensors), task, keys.size)
         about = self.entries, self.knowledge, filtered
-        lookout = Lookout(task, sensors, keys, *about)
+        lookout = SensingUpdate(task, sensors, keys, *about)
         nobody, self.shown = np.full(item_node.shape, -1, np.int16), []
         for step in range(steps + 1):
-            looks = looks._replace(step=np.full(keys.size, step, np.int32))
-            lookout.look(looks, item_node, nobody)
+            scans = scans._replace(step=np.full(keys.size, step, np.int32))
+            lookout.scan(scans, item_node, nobody)
             self.shown.append(shown.copy())

@@ -96,7 +96,7 @@ def test_a_collector_without_load_is_told(tmp_path: Path) -> None:
         ("weather.shelter_height_m", "5", ("graph",)),
         ("sensors.position_noise_m", "0.3", ("graph", "intake")),
         ("sensors.heading_noise_deg", "1", ("debris",)),
-        ("sensors.pickup_noise_m", "0.1", ("graph", "physics")),  # node: no item is steered for
+        ("sensors.camera_noise_m", "0.1", ("graph", "physics")),  # node: no item is steered for
     ],
 )
 def test_keys_that_no_world_of_a_run_feels_are_told(

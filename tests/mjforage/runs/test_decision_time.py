@@ -51,7 +51,7 @@ def test_a_decision_is_the_fleets_where_every_agent_decides_by_itself() -> None:
     """Over a radio there is a row for each of four agents."""
     watch = ticking()
     mission = played("comb-port-radio", "greedy", watch)
-    assert mission.exchange.holders == 4
+    assert mission.exchange.owners == 4
     assert (watch.cpu_s, watch.decisions) == (8.0, 8 * EPISODES)
 
 

@@ -26,7 +26,7 @@ def test_without_a_link_each_knows_what_it_saw_and_where_all_began() -> None:
     mission, maps = played("link.model=none")
     start = mission.setup.graph
     assert (maps.step, maps.names[0]) == (STEP, "scouts_0")
-    assert maps.holder_of.tolist() == [0, 1, 2, 3]
+    assert maps.owner_of.tolist() == [0, 1, 2, 3]
     assert maps.belief.shape == maps.age.shape == (4, *start.shape)
     assert maps.agent_age.tolist() == [[0 if h == a else STEP for a in range(4)] for h in range(4)]
     begun = mission.initial.agent_node[0]
@@ -42,7 +42,7 @@ def test_without_a_link_each_knows_what_it_saw_and_where_all_began() -> None:
 
 def test_one_mind_is_one_holder() -> None:
     _, maps = played()
-    assert maps.holder_of.tolist() == [0, 0, 0, 0]
+    assert maps.owner_of.tolist() == [0, 0, 0, 0]
     assert maps.belief.shape[0] == 1
     assert maps.agent_age.tolist() == [[0, 0, 0, 0]]
 

@@ -260,7 +260,7 @@ def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -
     assert "Minus the oracle, which is a bound" in page
 
 
-def test_communication_is_one_page_with_the_maps_of_two_holders(
+def test_communication_is_one_page_with_the_maps_of_two_owners(
     tmp_path: Path, command: Command
 ) -> None:
     folder = tmp_path / "communication"

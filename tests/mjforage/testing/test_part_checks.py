@@ -119,7 +119,7 @@ class Values(Steps):
         return {"steps": super().see(seen, rows)["steps"] / np.float32(255)}
 
 
-class Looks(Steps):
+class Scans(Steps):
     def see(self, seen, rows):
         self.out[rows] += 1
         return {"steps": self.out}
@@ -144,7 +144,7 @@ BAD: list[tuple[Check, str, str, str]] = [
     (check_reward, "Counting", "reward_remembers_nothing", "at step 0 fresh and after other epi"),
     (check_reward, "Best", "reward_alone", "let an episode depend on nothing but itself"),
     (check_observation, "Values", "observation_shapes", "gave {'steps': 'float32 .*give {'steps'"),
-    (check_observation, "Looks", "observation_twice", "gave steps 1 and 2 .*for one step; rememb"),
+    (check_observation, "Scans", "observation_twice", "gave steps 1 and 2 .*for one step; rememb"),
     (check_observation, "Crowd", "observation_alone", "for one episode in two batches"),
 ]
 ENDING = [

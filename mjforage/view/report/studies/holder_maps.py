@@ -36,7 +36,7 @@ TALL = 0.6  # height over width of maps that stand beside one another
 
 def _vessels(axes: Axes, replay: Recording, maps: HoldersMaps, agent: int) -> None:
     """Where a holder takes all vessels to be, and a thread to where those are that it has lost."""
-    known, truth = maps.agent_rc[maps.holder_of[agent]], replay.agent_rc[maps.step]
+    known, truth = maps.agent_rc[maps.owner_of[agent]], replay.agent_rc[maps.step]
     for other, collects in enumerate(replay.agent_collects):
         colour = style.FORAGER if collects else style.SCOUT
         (row, col), (true_row, true_col) = known[other], truth[other]
@@ -105,7 +105,7 @@ def pair_of(maps: HoldersMaps, collects: NDArray[np.bool_]) -> tuple[int, int]:
     scouts, foragers = np.flatnonzero(~collects), np.flatnonzero(collects)
     one, other = (scouts, foragers) if scouts.size and foragers.size else (scouts, scouts)
     one, other = (one, other) if one.size else (foragers, foragers)
-    belief = maps.belief[maps.holder_of].astype(np.float64)
+    belief = maps.belief[maps.owner_of].astype(np.float64)
     unlike = ((belief[one][:, None] - belief[other][None]) ** 2).sum(axis=(-2, -1))
     first, second = np.unravel_index(np.argmax(unlike), unlike.shape)
     return int(one[first]), int(other[second])
@@ -114,7 +114,7 @@ def pair_of(maps: HoldersMaps, collects: NDArray[np.bool_]) -> tuple[int, int]:
 def holders_picture(name: str, title: str, replay: Recording, maps: HoldersMaps) -> ReportFigure:
     """Draw the belief of two agents, then the age of their maps."""
     pair = pair_of(maps, replay.agent_collects)
-    beliefs, ages = ([part[maps.holder_of[a]] for a in pair] for part in (maps.belief, maps.age))
+    beliefs, ages = ([part[maps.owner_of[a]] for a in pair] for part in (maps.belief, maps.age))
     high, wide = replay.navigable.shape
     columns = 4 if high / wide > TALL else 2
     width = WIDE_IN / columns

@@ -102,9 +102,13 @@ def told_of(one: Played, holder: int) -> NDArray[np.bool_]:
     """(item,) which items any look that an agent has heard shows, or says to have been taken."""
     mission: Mission = one.env.core.mission
     net: Any = mission.exchange
-    heard_at, log, entries = net.net.mail.heard_at[0, holder], net.net.log, mission.ledger.entries
+    received_at, log, entries = (
+        net.net.inbox.received_at[0, holder],
+        net.net.log,
+        mission.ledger.entries,
+    )
     told = np.zeros(one.item_node[0].size, np.bool_)
-    for agent, step in np.argwhere((heard_at >= 0) & (heard_at <= 50)):
+    for agent, step in np.argwhere((received_at >= 0) & (received_at <= 50)):
         radius = int(mission.task.radius_number[agent])
         told |= np.isin(
             one.item_node[step], mission.task.views.of(log.node[0, step, agent], radius)

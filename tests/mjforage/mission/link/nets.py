@@ -1,4 +1,4 @@
-"""Missions over a link, and what their holders know."""
+"""Missions over a link, and what their owners know."""
 
 from typing import Any
 

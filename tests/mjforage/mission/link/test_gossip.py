@@ -1,4 +1,4 @@
-"""Passing looks on, by hand: three agents, of whom each has made a look in every step."""
+"""Passing scans on, by hand: three agents, of whom each has made a scan in every step."""
 
 from typing import Any
 
@@ -6,14 +6,22 @@ import numpy as np
 import pytest
 
 from mjforage.mission.link.contacts import Contacts
-from mjforage.mission.link.gossip import LAST, NOT_HEARD, Terms, arrivals, mail, pass_on, traffic
+from mjforage.mission.link.gossip import (
+    LAST,
+    NOT_RECEIVED,
+    Terms,
+    arrivals,
+    inbox,
+    pass_on,
+    traffic,
+)
 from mjforage.mission.link.reach import reach_m
-from mjforage.mission.look_log import LookLog
+from mjforage.mission.scan_log import ScanLog
 from mjforage.scenario.scenario import Link
 
 AGENTS, HORIZON = 3, 8
 KEYS, HERE = np.array([5], np.uint64), np.array([True])
-EMPTY, TWO = 6, 12  # bytes of a look with nothing in it, and with two occupied nodes
+EMPTY, TWO = 6, 12  # bytes of a scan with nothing in it, and with two occupied nodes
 
 
 class Talk:
@@ -30,31 +38,31 @@ class Talk:
             "passes_on": np.ones(AGENTS, np.bool_),
         }
         self.terms = Terms(**(given | terms))
-        self.mail, self.traffic = mail(1, AGENTS, HORIZON), traffic(1)
+        self.inbox, self.traffic = inbox(1, AGENTS, HORIZON), traffic(1)
         each = (1, HORIZON + 1, AGENTS)
-        kinds: dict[str, Any] = {name: np.zeros(each) for name in LookLog._fields}
-        self.log = LookLog(**kinds | {"occupied": np.zeros(each, np.int32)})
+        kinds: dict[str, Any] = {name: np.zeros(each) for name in ScanLog._fields}
+        self.log = ScanLog(**kinds | {"occupied": np.zeros(each, np.int32)})
 
     def step(self, now: int) -> None:
-        about = self.log, self.contacts, self.mail, self.traffic
+        about = self.log, self.contacts, self.inbox, self.traffic
         pass_on(self.terms, KEYS, HERE, np.array([now], np.int32), *about)
 
-    def hear(self, now: int) -> list[tuple[int, int, int]]:
-        """What arrives: holder, step and agent."""
-        number = arrivals(0, now, self.mail)
-        return [(h, s, a) for h, _, s, a in self.mail.heard[:number].tolist()]
+    def receive(self, now: int) -> list[tuple[int, int, int]]:
+        """What arrives: owner, step and agent."""
+        number = arrivals(0, now, self.inbox)
+        return [(h, s, a) for h, _, s, a in self.inbox.received[:number].tolist()]
 
-    def heard(self, holder: int, agent: int, step: int) -> int:
-        return int(self.mail.heard_at[0, holder, agent, step])
+    def received(self, owner: int, agent: int, step: int) -> int:
+        return int(self.inbox.received_at[0, owner, agent, step])
 
 
 def test_the_newest_goes_first_where_not_all_can_go() -> None:
-    """One empty look a decision: what was made before the contact waits behind what is new."""
+    """One empty scan a decision: what was made before the contact waits behind what is new."""
     talk = Talk(bytes=EMPTY)
     talk.step(0)
     talk.contacts.snr_db[0, 0, 1] = talk.contacts.snr_db[0, 1, 0] = np.inf
     talk.step(1)
-    assert (talk.heard(1, 0, 1), talk.heard(1, 0, 0)) == (1, NOT_HEARD)
+    assert (talk.received(1, 0, 1), talk.received(1, 0, 0)) == (1, NOT_RECEIVED)
     assert talk.traffic.dropped[0] == 2 and talk.traffic.bytes[0] == 2 * EMPTY
 
 
@@ -63,19 +71,19 @@ def test_a_look_takes_six_bytes_and_three_for_each_occupied_node() -> None:
         talk = Talk((0, 1), bytes=most)
         talk.log.occupied[0, 0, 0] = 2
         talk.step(0)
-        assert (talk.heard(1, 0, 0) == 0) == comes
+        assert (talk.received(1, 0, 0) == 0) == comes
     talk = Talk((0, 1), cells=2)
     talk.log.occupied[0, 0] = 2
     talk.step(0)
-    assert talk.heard(1, 0, 0) == NOT_HEARD and talk.traffic.dropped[0] == 2
+    assert talk.received(1, 0, 0) == NOT_RECEIVED and talk.traffic.dropped[0] == 2
 
 
 def test_nothing_is_spent_on_what_nobody_in_contact_lacks() -> None:
-    """Agent 2 hears of nothing, so everything stays to be passed on; 0 and 1 have it all."""
+    """Agent 2 receives nothing, so everything stays to be passed on; 0 and 1 have it all."""
     talk = Talk((0, 1), bytes=EMPTY)
     for now in range(5):
         talk.step(now)
-        assert talk.heard(1, 0, now) == talk.heard(0, 1, now) == now
+        assert talk.received(1, 0, now) == talk.received(0, 1, now) == now
     assert talk.traffic.bytes[0] == 5 * 2 * EMPTY and talk.traffic.dropped[0] == 0
     assert talk.traffic.sent[0] == 10 and talk.traffic.lost[0] == 0
     assert talk.traffic.contacts[0] == 5
@@ -86,15 +94,15 @@ def test_what_is_under_way_is_neither_sent_again_nor_passed_on() -> None:
     talk = Talk((0, 1), (1, 2), latency=2)
     for now in range(5):
         talk.step(now)
-        assert talk.heard(1, 0, 0) == 2
-        assert talk.heard(2, 0, 0) == (4 if now >= 2 else NOT_HEARD)
+        assert talk.received(1, 0, 0) == 2
+        assert talk.received(2, 0, 0) == (4 if now >= 2 else NOT_RECEIVED)
     links = 4
     assert talk.traffic.sent[0] == 5 * links + 2 * 3, "each once, and passed on from step 2"
-    assert talk.mail.flying[0] == talk.traffic.sent[0]
+    assert talk.inbox.in_flight[0] == talk.traffic.sent[0]
 
 
 def test_what_arrives_is_heard_once_in_the_order_of_its_steps() -> None:
-    """The first look of 0 is lost, and comes two decisions after the second."""
+    """The first scan of 0 is lost, and comes two decisions after the second."""
     talk = Talk((0, 1), latency=2)
     talk.contacts.bad[0, 0, 1] = True
     own = [(0, 0), (1, 1), (2, 2)]
@@ -102,28 +110,28 @@ def test_what_arrives_is_heard_once_in_the_order_of_its_steps() -> None:
         talk.step(now)
         talk.contacts.bad[:] = False
         if now == 1:
-            talk.mail.heard_at[0, 1, 0, 0] = 5  # the lost one is still longer under way
-            talk.mail.landing[0, [3, 5]] += [-1, 1]
+            talk.inbox.received_at[0, 1, 0, 0] = 5  # the lost one is still longer under way
+            talk.inbox.due[0, [3, 5]] += [-1, 1]
         expected = [(h, now, a) for h, a in own]
         expected += [(0, now - 2, 1)] * (now >= 2) + [(1, now - 2, 0)] * (now >= 3)
         expected += [(1, 0, 0)] * (now == 5)
-        heard = talk.hear(now)
-        assert heard == sorted(heard) and sorted(expected) == heard
-        assert talk.mail.arrived[0, 1, 0] == (-1 if now < 5 else 3)
-        left = sum(1 for at in talk.mail.heard_at[0].ravel() if at > now)
-        assert talk.mail.flying[0] == left
+        received = talk.receive(now)
+        assert received == sorted(received) and sorted(expected) == received
+        assert talk.inbox.arrived[0, 1, 0] == (-1 if now < 5 else 3)
+        left = sum(1 for at in talk.inbox.received_at[0].ravel() if at > now)
+        assert talk.inbox.in_flight[0] == left
 
 
 def test_a_look_that_two_send_at_once_is_under_way_twice() -> None:
-    """0 and 1 both tell 2 of the look of 0: the second copy has not arrived either."""
+    """0 and 1 both tell 2 of the scan of 0: the second copy has not arrived either."""
     talk = Talk((0, 1), latency=1)
     talk.step(0)
-    talk.hear(0)
+    talk.receive(0)
     talk.contacts.snr_db[0, :, 2] = talk.contacts.snr_db[0, 2, :] = np.inf
     talk.step(1)
-    talk.hear(1)
+    talk.receive(1)
     copies = int(talk.traffic.sent[0]) - 2  # of which the first two have arrived
-    assert talk.mail.flying[0] == copies > (talk.mail.heard_at == 2).sum()
+    assert talk.inbox.in_flight[0] == copies > (talk.inbox.received_at == 2).sum()
 
 
 def test_only_who_relays_passes_on_looks_of_others() -> None:
@@ -132,26 +140,26 @@ def test_only_who_relays_passes_on_looks_of_others() -> None:
         talk = Talk((0, 1), (1, 2), passes_on=np.array([False, relays, False]))
         for now in range(2):
             talk.step(now)
-        assert (talk.heard(2, 0, 0) == 1) == relays
-        assert talk.heard(2, 1, 1) == 1, "its own anyway"
+        assert (talk.received(2, 0, 0) == 1) == relays
+        assert talk.received(2, 1, 1) == 1, "its own anyway"
 
 
 def test_a_budget_in_cells_is_spent() -> None:
-    """One look a decision of the two that 1 lacks."""
+    """One scan a decision of the two that 1 lacks."""
     talk = Talk(cells=1)
     talk.step(0)
     talk.contacts.snr_db[0, 0, 1] = np.inf
     talk.step(1)
-    assert (talk.heard(1, 0, 1), talk.heard(1, 0, 0)) == (1, NOT_HEARD)
+    assert (talk.received(1, 0, 1), talk.received(1, 0, 0)) == (1, NOT_RECEIVED)
 
 
 def test_what_arrives_after_the_end_arrives_never() -> None:
     talk = Talk((0, 1), latency=30000)
     talk.step(0)
-    assert talk.heard(1, 0, 0) == 30000
+    assert talk.received(1, 0, 0) == 30000
     talk = Talk((0, 1), latency=40000)
     talk.step(0)
-    assert talk.heard(1, 0, 0) == LAST
+    assert talk.received(1, 0, 0) == LAST
 
 
 def test_what_all_in_contact_have_had_is_not_gone_through_again() -> None:
@@ -161,19 +169,19 @@ def test_what_all_in_contact_have_had_is_not_gone_through_again() -> None:
         talk.step(now)
     talk.contacts.snr_db[0, 0, 1] = talk.contacts.snr_db[0, 1, 0] = np.inf
     talk.step(3)
-    assert [talk.heard(1, 0, s) for s in range(4)] == [3, 3, 3, 3]
-    assert talk.mail.complete[0, 1].tolist() == [3, 3, -1]
+    assert [talk.received(1, 0, s) for s in range(4)] == [3, 3, 3, 3]
+    assert talk.inbox.complete[0, 1].tolist() == [3, 3, -1]
     talk.contacts.snr_db[0, 1, 2] = talk.contacts.snr_db[0, 2, 1] = np.inf
     talk.step(4)
-    assert [talk.heard(2, 0, s) for s in range(5)] == [4, 4, 4, 4, NOT_HEARD]
-    assert [talk.heard(1, 2, s) for s in range(5)] == [4, 4, 4, 4, 4]
+    assert [talk.received(2, 0, s) for s in range(5)] == [4, 4, 4, 4, NOT_RECEIVED]
+    assert [talk.received(1, 2, s) for s in range(5)] == [4, 4, 4, 4, 4]
     talk.step(5)
-    assert talk.heard(2, 0, 4) == 5 and talk.heard(0, 2, 0) == 5
-    assert talk.mail.newest[0, 2, 0] == 4, "what 0 sees now comes over two hops"
+    assert talk.received(2, 0, 4) == 5 and talk.received(0, 2, 0) == 5
+    assert talk.inbox.newest[0, 2, 0] == 4, "what 0 sees now comes over two hops"
 
 
 def test_losses_are_counted_from_sender_to_receiver() -> None:
-    """0 to 1 is bad and 1 to 0 is not: 1 lacks both looks of 0 at step 1, and loses them again."""
+    """0 to 1 is bad and 1 to 0 is not: 1 lacks both scans of 0 at step 1, and loses them again."""
     talk = Talk((0, 1), (1, 2))
     talk.contacts.bad[0, 0, 1] = True
     talk.step(0)
@@ -187,11 +195,11 @@ def test_losses_are_counted_from_sender_to_receiver() -> None:
 
 @pytest.mark.parametrize(("snr_db", "share"), [(0.0, 0.98), (4.0, 0.45), (9.0, 0.0016)])
 def test_noise_garbles_its_share_of_packets(snr_db: float, share: float) -> None:
-    """Empty looks of 48 bits over QPSK, drawn for each sender, receiver, look and decision."""
+    """Empty scans of 48 bits over QPSK, drawn for each sender, receiver, scan and decision."""
     lost = sent = 0
     for seed in range(150):
         talk = Talk((0, 1), (1, 2), (0, 2), snr_db=snr_db)
-        about = talk.log, talk.contacts, talk.mail, talk.traffic
+        about = talk.log, talk.contacts, talk.inbox, talk.traffic
         pass_on(talk.terms, np.array([seed], np.uint64), HERE, np.zeros(1, np.int32), *about)
         sent, lost = sent + int(talk.traffic.sent[0]), lost + int(talk.traffic.lost[0])
     assert sent == 150 * 6

@@ -1,4 +1,4 @@
-"""The link in missions: what is heard when, by whom, and that nothing else is known."""
+"""The link in missions: what is received when, by whom, and that nothing else is known."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ from mjforage.mission.exchange import Ideal
 from mjforage.mission.knowledge import Knowledge
 from mjforage.mission.link import Radio
 from mjforage.mission.link.propagation import two_ray_loss_db
-from mjforage.mission.look_log import take_in
 from mjforage.mission.mission import Mission
+from mjforage.mission.scan_log import take_in
 from mjforage.mission.task import Observation, Task
 from mjforage.scenario.scenario_file import load_scenario
 from tests.brief_policies import brief_policies
@@ -50,8 +50,8 @@ def test_contacts_and_losses_of_a_step_are_told_by_pairs() -> None:
 
 
 def ages(radio: Radio, mission: Mission) -> NDArray[np.float64]:
-    """Age (episode, holder, agent) of what each holder last heard of each agent [decision]."""
-    agents = radio.holders
+    """Age (episode, owner, agent) of what each owner last received each agent [decision]."""
+    agents = radio.owners
     seen = radio.knowledge.agent_seen.reshape(-1, agents, agents)
     return (mission.step[:, None, None] - seen).astype(np.float64)
 
@@ -61,7 +61,7 @@ def test_the_age_of_positions_is_that_of_a_geometric_wait(loss: float, latency: 
     """L + q / (1 - q) where nobody passes on what others saw."""
     keys = (DISK, f"link.loss={loss}", f"link.latency={latency}", "link.relay=false")
     mission, radio = started(setup_of("horizon=150", "items.mean=300", *keys), 30)
-    others, found = ~np.eye(radio.holders, dtype=bool), []
+    others, found = ~np.eye(radio.owners, dtype=bool), []
     advanced(mission, "random", 60)
     for _ in range(20):
         advanced(mission, "random", 3)
@@ -113,7 +113,7 @@ def test_shadowing_is_alike_both_ways_and_cuts_its_share() -> None:
 
 def test_a_disk_ends_at_its_range_and_at_walls() -> None:
     """Agents that start in the port's bays: 16 m, with and without the quays between them."""
-    for wall, range_m, heard in ((0, 1e6, 12), (0, 9.0, 6), (1, 1e6, 6), (0, 1.0, 0)):
+    for wall, range_m, received in ((0, 1e6, 12), (0, 9.0, 6), (1, 1e6, 6), (0, 1.0, 0)):
         keys = (DISK, f"link.range_m={range_m}", f"link.wall_db={wall}")
         mission, radio = started(setup_of(*keys), 1)
         at = mission.state.agent_node[0]
@@ -134,7 +134,7 @@ def test_a_disk_ends_at_its_range_and_at_walls() -> None:
                 for j in range(4)
                 if i != j and not land[min(rows[i], rows[j]) : max(rows[i], rows[j])].any()
             )
-        assert contacts == near, heard
+        assert contacts == near, received
 
 
 def test_news_goes_one_hop_in_a_decision() -> None:
@@ -142,24 +142,24 @@ def test_news_goes_one_hop_in_a_decision() -> None:
     mission, radio = started(setup_of(DISK, "link.range_m=9"), 1)
     row = mission.setup.graph.rows[mission.state.agent_node[0]]
     line = np.argsort(row)
-    heard_at = radio.net.mail.heard_at[0]
+    received_at = radio.net.inbox.received_at[0]
     first, last = line[0], line[3]
-    assert [heard_at[h, first, 0] >= 0 for h in line] == [True, True, False, False]
+    assert [received_at[h, first, 0] >= 0 for h in line] == [True, True, False, False]
     still = np.full((1, 4, 9), -np.inf)
     still[..., 8] = 0.0
     for step in (1, 2):
         mission.advance(still)
-        assert [heard_at[h, first, 0] >= 0 for h in line] == [True, True, True, step == 2]
-    assert heard_at[last, first, 0] == 2
-    late = radio.late
-    steps = [s for s, a in zip(late.step[last], late.agent[last], strict=True) if a == first]
+        assert [received_at[h, first, 0] >= 0 for h in line] == [True, True, True, step == 2]
+    assert received_at[last, first, 0] == 2
+    delayed = radio.delayed
+    steps = [s for s, a in zip(delayed.step[last], delayed.agent[last], strict=True) if a == first]
     assert steps == [0], "and it is told as late"
-    assert (late.step < mission.step[0]).all(), "what is seen now is not"
+    assert (delayed.step < mission.step[0]).all(), "what is seen now is not"
 
 
 @pytest.mark.parametrize(("key", "most"), [("link.bytes=12", 12), ("link.cells=3", 18)])
 def test_budgets_are_kept_and_charged_before_losses(key: str, most: int) -> None:
-    """12 bytes are one look with two occupied nodes, or two of nothing; 3 cells three of those."""
+    """12 bytes are one scan with two occupied nodes, or two of nothing; 3 cells three of those."""
     for loss in ("0", "0.9"):
         mission, radio = started(setup_of(DISK, f"link.loss={loss}", key), 20)
         advanced(mission, "greedy", 30)
@@ -171,9 +171,9 @@ def test_budgets_are_kept_and_charged_before_losses(key: str, most: int) -> None
 def test_without_a_link_each_knows_its_own_looks_only() -> None:
     mission, radio = started(setup_of("link.model=none"), 3)
     advanced(mission, "greedy", 40)
-    heard = radio.net.mail.heard_at >= 0
+    received = radio.net.inbox.received_at >= 0
     own = np.eye(4, dtype=bool)
-    assert heard[:, own].any() and not heard[:, ~own].any()
+    assert received[:, own].any() and not received[:, ~own].any()
     seen = radio.knowledge.last_seen.reshape(3, 4, -1)
     np.testing.assert_array_equal(seen.max(axis=1), mission.knowledge.last_seen)
 
@@ -186,11 +186,11 @@ def test_knowledge_is_the_fold_of_looks_in_any_order_and_however_often() -> None
     starts.agent_node[:] = np.repeat(mission.initial.agent_node, 4, axis=0)
     for row in range(12):
         e, h = divmod(row, 4)
-        at = net.mail.heard_at[e, h]
-        looks = np.argwhere((at >= 0) & (at <= mission.step[e]))
-        order = rng.permutation(np.concatenate((looks, looks[::2])))
-        heard = np.array([(row, e, s, a) for a, s in order.tolist()], np.int32)
-        take_in(net.log, heard, net.views, net.radius_number, starts)
+        at = net.inbox.received_at[e, h]
+        scans = np.argwhere((at >= 0) & (at <= mission.step[e]))
+        order = rng.permutation(np.concatenate((scans, scans[::2])))
+        received = np.array([(row, e, s, a) for a, s in order.tolist()], np.int32)
+        take_in(net.log, received, net.views, net.radius_number, starts)
     for name in ("belief", "last_seen", "n_known", "agent_node", "agent_seen", "taken"):
         np.testing.assert_array_equal(getattr(starts, name), getattr(radio.knowledge, name))
     for row, n in enumerate(starts.n_known):
@@ -214,30 +214,30 @@ def test_episodes_are_adopted_with_their_mail(ahead: int) -> None:
     (into, mine), (source, theirs) = started(setup, 3), started(setup, 1, seed=8)
     advanced(into, "greedy", 6)
     advanced(source, "greedy", ahead)
-    into.adopt(np.array([1]), source)
+    into.replace_episodes(np.array([1]), source)
     for mission in (into, source):
         advanced(mission, "greedy", 8)
     np.testing.assert_array_equal(mine.knowledge.belief[4:8], theirs.knowledge.belief)
-    np.testing.assert_array_equal(mine.net.mail.heard_at[1], theirs.net.mail.heard_at[0])
+    np.testing.assert_array_equal(mine.net.inbox.received_at[1], theirs.net.inbox.received_at[0])
     np.testing.assert_array_equal(mine.net.contacts.bad[1], theirs.net.contacts.bad[0])
 
 
 def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() -> None:
-    """Of the prior and, step by step, of the best chance and largest count; late ones included."""
-    eyes = ("sensors.detection=0.6", "sensors.half_range_node=6", "sensors.false_rate=0.01")
+    """Of the prior and, step by step, of the best chance and largest count; delayed ones too."""
+    sensors = ("sensors.detection=0.6", "sensors.half_range_node=6", "sensors.false_rate=0.01")
     link = (DISK, "link.range_m=60", "link.loss=0.3", "link.latency=2")
-    mission, radio = started(setup_of(*link, *eyes, "sensors.map=filtered"), 2)
+    mission, radio = started(setup_of(*link, *sensors, "sensors.map=filtered"), 2)
     advanced(mission, "greedy", 14)
-    net, graph, late = radio.net, mission.setup.graph, 0
+    net, graph, delayed = radio.net, mission.setup.graph, 0
     for row in range(8):
         e, h = divmod(row, 4)
         expected = np.full(len(graph), 75.0 / len(graph))
         for s in range(15):
             chance, count = np.zeros(len(graph)), np.full(len(graph), -1)
-            for a in np.flatnonzero(net.mail.heard_at[e, h, :, s] >= 0):
-                if net.mail.heard_at[e, h, a, s] > 14:
+            for a in np.flatnonzero(net.inbox.received_at[e, h, :, s] >= 0):
+                if net.inbox.received_at[e, h, a, s] > 14:
                     continue
-                late += net.mail.heard_at[e, h, a, s] > s
+                delayed += net.inbox.received_at[e, h, a, s] > s
                 at = int(net.log.node[e, s, a])
                 view = net.views.of(at, int(net.radius_number[a]))
                 far = np.hypot(graph.rows[view] - graph.rows[at], graph.cols[view] - graph.cols[at])
@@ -250,7 +250,7 @@ def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() ->
         seen = radio.knowledge.last_seen[row] >= 0
         believed = np.where(seen, np.floor(expected + 0.5), 0.0)
         np.testing.assert_array_equal(radio.knowledge.belief[row], believed)
-    assert late > 100
+    assert delayed > 100
 
 
 def test_only_relays_pass_on_where_the_others_do_not() -> None:
@@ -270,8 +270,8 @@ def test_only_relays_pass_on_where_the_others_do_not() -> None:
             for a in range(4):
                 near = abs(row[e, h] - row[e, a]) <= 2
                 over = abs(row[e, h] - relay[e]) <= 2 and abs(row[e, a] - relay[e]) <= 2
-                heard = radio.net.mail.heard_at[e, h, a, 0] >= 0
-                assert heard == (near or over)
+                received = radio.net.inbox.received_at[e, h, a, 0] >= 0
+                assert received == (near or over)
 
 
 def test_bursts_too_short_for_the_loss_are_refused() -> None:
@@ -284,7 +284,7 @@ def test_bursts_too_short_for_the_loss_are_refused() -> None:
 
 
 def test_every_agent_acts_by_its_own_row_and_late_padding_says_nothing() -> None:
-    """Each wants to go another way in the row of each holder; only its own counts."""
+    """Each wants to go another way in the row of each owner; only its own counts."""
     mission, radio = started(setup_of(DISK, "link.range_m=9", "link.latency=1"), 6)
 
     class OwnWay:
@@ -294,7 +294,7 @@ def test_every_agent_acts_by_its_own_row_and_late_padding_says_nothing() -> None
         def act(self, observation: Observation) -> NDArray[np.float64]:
             shape = (*observation.agent_node.shape, 9)
             answer = np.zeros(shape)
-            answer[np.arange(shape[0]), :, observation.holder] = 1.0
+            answer[np.arange(shape[0]), :, observation.owner] = 1.0
             return answer
 
     advanced(mission, "random", 8)
@@ -302,21 +302,21 @@ def test_every_agent_acts_by_its_own_row_and_late_padding_says_nothing() -> None
     mission.prepare(policy)
     answer = mission.ask(policy)
     assert (answer.argmax(axis=-1) == np.arange(4)).all()
-    late = radio.late
-    padded = late.step < 0
+    delayed = radio.delayed
+    padded = delayed.step < 0
     assert padded.any() and not padded.all()
-    assert (late.looks[padded] == -1).all() and (late.shown[padded] == 0).all()
+    assert (delayed.scans[padded] == -1).all() and (delayed.shown[padded] == 0).all()
 
 
 def test_what_was_not_heard_changes_nothing_that_a_holder_is_shown() -> None:
-    """Non-interference: the same looks, heard over two links of different losses, show the same."""
+    """Non-interference: the same scans, received over links of different losses, show the same."""
     mission, radio = started(setup_of(DISK, "link.range_m=30", "link.loss=0.4"), 6)
     advanced(mission, "greedy", 30)
     net, nodes = radio.net, len(mission.setup.graph)
     for row in range(24):
         e, h = divmod(row, 4)
         seen = np.full(nodes, -(2**15), np.int64)
-        for a, s in np.argwhere(net.mail.heard_at[e, h] >= 0).tolist():
+        for a, s in np.argwhere(net.inbox.received_at[e, h] >= 0).tolist():
             view = net.views.of(int(net.log.node[e, s, a]), int(net.radius_number[a]))
             seen[view] = np.maximum(seen[view], s)
         np.testing.assert_array_equal(radio.knowledge.last_seen[row], seen)
@@ -360,7 +360,7 @@ def test_a_budget_for_no_look_is_refused() -> None:
 
 
 def test_of_two_looks_of_a_step_the_larger_count_of_a_node_is_believed() -> None:
-    """Whichever is heard first, where agents do not see alike."""
+    """Whichever is received first, where agents do not see alike."""
     mission, radio = started(setup_of("link.model=none"), 1)
     net, other = radio._net, int(mission.state.agent_node[0, 0])
     net.log.node[0, 1, :2] = other
@@ -369,7 +369,7 @@ def test_of_two_looks_of_a_step_the_larger_count_of_a_node_is_believed() -> None
     net.log.energy_left[0, 1, 0] = 7.0
     for order in ((0, 1), (1, 0)):
         knowledge = Knowledge.of_starts(mission._looks(), len(mission.setup.graph), 1)
-        heard = np.array([(0, 0, 1, a) for a in order], np.int32)
-        take_in(net.log, heard, net.views, net.radius_number, knowledge)
+        received = np.array([(0, 0, 1, a) for a in order], np.int32)
+        take_in(net.log, received, net.views, net.radius_number, knowledge)
         assert knowledge.belief[0, other] == 3
         assert knowledge.energy_left[0, 0] == 7.0

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.exchange import LinkLog
-from mjforage.mission.look_log import LookLog
 from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.mission_metrics import METRICS, Scorer
-from mjforage.mission.mission_metrics.handover import first_heard
+from mjforage.mission.mission_metrics.handover import first_received
+from mjforage.mission.scan_log import ScanLog
 from mjforage.mission.task import NEVER
 from tests.mjforage.mission.link.nets import DISK, setup_of
 
@@ -32,14 +32,14 @@ class Ages(Observer):
         self.positions: list[NDArray[np.float64]] = []
 
     def see(self, mission: Mission) -> None:
-        known, holders = mission.exchange.knowledge, mission.exchange.holders
+        known, owners = mission.exchange.knowledge, mission.exchange.owners
         horizon = mission.setup.scenario.horizon
-        now = np.repeat(mission.step, holders)[:, None].astype(np.int64)
+        now = np.repeat(mission.step, owners)[:, None].astype(np.int64)
         ages = np.where(known.last_seen == NEVER, horizon, now - known.last_seen)
-        self.aoi.append(ages.mean(axis=1).reshape(-1, holders).mean(axis=1))
-        if holders > 1:
-            age = (now - known.agent_seen).reshape(-1, holders, holders)
-            others = ~np.eye(holders, dtype=bool)
+        self.aoi.append(ages.mean(axis=1).reshape(-1, owners).mean(axis=1))
+        if owners > 1:
+            age = (now - known.agent_seen).reshape(-1, owners, owners)
+            others = ~np.eye(owners, dtype=bool)
             self.positions.append(age[:, others].mean(axis=1))
 
 
@@ -64,7 +64,7 @@ def test_without_a_link_maps_have_an_age_and_nothing_else_is_defined() -> None:
 
 
 def test_over_a_link_that_carries_all_at_once_nothing_is_old_or_unlike() -> None:
-    """Four agents, all in reach: 3 looks come to each in every decision, and at the start."""
+    """Four agents, all in reach: 3 scans come to each in every decision, and at the start."""
     scalars, courses, _, mission = scored(DISK)
     np.testing.assert_array_equal(courses["aoi"], scored()[1]["aoi"])
     for key in ("position_age", "disagreement", "handover", "lost", "dropped"):
@@ -92,7 +92,9 @@ def test_positions_are_as_old_as_the_latency_of_a_disk_without_an_end(latency: i
     aged = np.minimum(np.arange(61.0), latency)
     np.testing.assert_array_equal(courses["position_age"], np.tile(aged, (3, 1)))
     news = scalars["handover"] * 60.0
-    assert (news > 0.0).all() and (news <= latency).all(), "a scout's comes so late, others at once"
+    assert (news > 0.0).all() and (news <= latency).all(), (
+        "a scout's comes so delayed, others at once"
+    )
     under_way = 12.0 * latency
     np.testing.assert_array_equal(scalars["delivered"], 12.0 * (mission.step + 1) - under_way)
 
@@ -128,19 +130,19 @@ def test_the_peak_of_the_age_is_that_after_maps_were_known_best() -> None:
 
 
 # Handover by hand: a scout (0) and a forager (1); nodes 0, 1, 2 in a row, of which each agent sees
-# its own alone. The forager hears what `heard` says of the scout's looks, and its own at once.
+# its own alone. The forager receives what `received` says of the scout's scans, its own at once.
 
 STEPS = 6
 
 
-def link_of(at: Any, shown: Any, heard: dict[int, int]) -> LinkLog:
-    """Looks from nodes `at` (step, agent) that show so many items (step, agent)."""
-    heard_at = np.full((1, 2, 2, STEPS), -1, np.int16)
+def link_of(at: Any, shown: Any, received: dict[int, int]) -> LinkLog:
+    """Scans from nodes `at` (step, agent) that show so many items (step, agent)."""
+    received_at = np.full((1, 2, 2, STEPS), -1, np.int16)
     for a in range(2):
-        heard_at[0, a, a] = np.arange(STEPS)
-    for step, arrival in heard.items():
-        heard_at[0, 1, 0, step] = arrival
-    each: Any = {name: np.zeros((1, STEPS, 2)) for name in LookLog._fields}
+        received_at[0, a, a] = np.arange(STEPS)
+    for step, arrival in received.items():
+        received_at[0, 1, 0, step] = arrival
+    each: Any = {name: np.zeros((1, STEPS, 2)) for name in ScanLog._fields}
     each |= {
         "node": np.array([at], np.int32),
         "shown": np.array(shown, np.int16)[None, :, :, None],
@@ -155,8 +157,8 @@ def link_of(at: Any, shown: Any, heard: dict[int, int]) -> LinkLog:
         lost_now=np.zeros((1, 2, 2), np.int64),
         dropped=none,
         bytes=none,
-        heard_at=heard_at,
-        looks=LookLog(**each),
+        received_at=received_at,
+        scans=ScanLog(**each),
         views=views,
         radius_number=np.zeros(2, np.int64),
     )
@@ -167,30 +169,30 @@ SEES_ONE = [[1, 0]] * STEPS
 
 
 @pytest.mark.parametrize(
-    ("heard", "found", "expected"),
+    ("received", "found", "expected"),
     [
-        ({}, 1, -1),  # nobody who collects ever hears
+        ({}, 1, -1),  # nobody who collects ever receives
         ({1: 1}, 1, 1),  # at once
-        ({1: 4}, 1, 4),  # late
-        ({1: 5, 2: 3}, 1, 3),  # a look made later comes first
+        ({1: 4}, 1, 4),  # delayed
+        ({1: 5, 2: 3}, 1, 3),  # a scan made later comes first
         ({0: 2}, 1, -1),  # made before the discovery, it cannot have shown it
         ({1: 9}, 1, -1),  # arrives after the end
         ({4: 4, 1: 4}, 1, 4),
     ],
 )
-def test_first_hearing_of_an_item(heard: dict[int, int], found: int, expected: int) -> None:
-    link = link_of(SCOUT_STAYS, SEES_ONE, heard)
+def test_first_hearing_of_an_item(received: dict[int, int], found: int, expected: int) -> None:
+    link = link_of(SCOUT_STAYS, SEES_ONE, received)
     item_node = np.zeros((1, STEPS, 1), np.int32)
     about = item_node, np.array([[found]], np.int16), np.array([STEPS - 1], np.int32)
-    assert first_heard(link, np.array([1]), *about).tolist() == [[expected]]
+    assert first_received(link, np.array([1]), *about).tolist() == [[expected]]
 
 
 def test_of_several_listeners_the_first_counts() -> None:
     link = link_of(SCOUT_STAYS, SEES_ONE, {1: 4})
     about = np.zeros((1, STEPS, 1), np.int32), np.ones((1, 1), np.int16), np.array([STEPS - 1])
     for listeners in ([0, 1], [1, 0]):
-        heard = first_heard(link, np.array(listeners), *about[:2], about[2].astype(np.int32))
-        assert heard.tolist() == [[1]], "the scout has seen it itself"
+        received = first_received(link, np.array(listeners), *about[:2], about[2].astype(np.int32))
+        assert received.tolist() == [[1]], "the scout has seen it itself"
 
 
 def test_a_look_counts_only_if_it_shows_items_where_the_item_is() -> None:
@@ -199,9 +201,11 @@ def test_a_look_counts_only_if_it_shows_items_where_the_item_is() -> None:
     shown = [[0, 0], [1, 0], [0, 0], [1, 0], [0, 1], [0, 1]]
     item_node, found = np.zeros((1, STEPS, 2), np.int32), np.array([[1, -1]], np.int16)
     end = np.array([STEPS - 1], np.int32)
-    for heard, expected in (({2: 2, 3: 3}, 4), ({1: 3}, 3), ({}, 4)):
-        link = link_of(at, shown, heard)
-        assert first_heard(link, np.array([1]), item_node, found, end).tolist() == [[expected, -1]]
+    for received, expected in (({2: 2, 3: 3}, 4), ({1: 3}, 3), ({}, 4)):
+        link = link_of(at, shown, received)
+        assert first_received(link, np.array([1]), item_node, found, end).tolist() == [
+            [expected, -1]
+        ]
     item_node[0, 2:, 0] = -1  # taken, or gone
     link = link_of(at, shown, {})
-    assert first_heard(link, np.array([1]), item_node, found, end).tolist() == [[-1, -1]]
+    assert first_received(link, np.array([1]), item_node, found, end).tolist() == [[-1, -1]]

@@ -11,7 +11,7 @@ from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario import Sensors
 from tests.mjforage.physics.dynamics.test_mujoco_dynamics import setup_of
 
-EXACT = Sensors(pickup_range_noise_per_m=0.0, pickup_view_deg=360.0, pickup_range_m=1e4)
+EXACT = Sensors(camera_range_noise_per_m=0.0, camera_fov_deg=360.0, camera_range_m=1e4)
 FRAMES = 4000
 YAW = 0.7
 HULLS = np.array([[9.0, 9.0, 0.0], [1.0, -2.0, YAW]])
@@ -41,7 +41,7 @@ def test_an_exact_camera_sees_items_where_they_are() -> None:
 def test_errors_are_of_one_size_and_grow_with_the_square_of_the_range_in_the_line_of_sight() -> (
     None
 ):
-    sensors = replace(EXACT, pickup_noise_m=0.1, pickup_range_noise_per_m=0.0065)
+    sensors = replace(EXACT, camera_noise_m=0.1, camera_range_noise_per_m=0.0065)
     seen = sightings(sensors, [(1.0, 0.0), (8.0, 0.0), (8.0, 90.0)])
     far = np.hypot(0.1, 0.0065 * 64.0)
     expected = [[np.hypot(0.1, 0.0065), 0.1], [far, 0.1], [0.1, far]]
@@ -57,7 +57,7 @@ def test_errors_are_of_one_size_and_grow_with_the_square_of_the_range_in_the_lin
 
 
 def test_the_variance_is_that_of_sightings() -> None:
-    sensors = replace(EXACT, pickup_noise_m=0.1, pickup_range_noise_per_m=0.01)
+    sensors = replace(EXACT, camera_noise_m=0.1, camera_range_noise_per_m=0.01)
     seen = sightings(sensors, [(6.0, 30.0)])[:, 0]
     whole = float(variance(camera_of(sensors, 1, 0), 6.0))
     assert abs(seen.var(axis=0).mean() / whole - 1) < 5 / np.sqrt(FRAMES)
@@ -67,7 +67,7 @@ def test_the_variance_is_that_of_sightings() -> None:
 
 
 def test_an_item_out_of_view_or_range_or_off_the_water_is_not_seen() -> None:
-    sensors = replace(EXACT, pickup_view_deg=120.0, pickup_range_m=5.0)
+    sensors = replace(EXACT, camera_fov_deg=120.0, camera_range_m=5.0)
     places = [(4.9, 59.0), (4.9, -59.0), (4.9, 61.0), (4.9, -61.0), (1.0, 180.0), (5.1, 0.0)]
     seen = np.isfinite(sightings(sensors, places)[0, :, 0])
     assert seen.tolist() == [True, True, False, False, False, False]
@@ -87,14 +87,14 @@ def test_a_place_is_told_from_the_pose_that_the_hull_measures() -> None:
     np.testing.assert_allclose(out[1, 0], measured[1, :2] + ahead, atol=1e-12)
 
 
-@pytest.mark.parametrize("key", ["pickup_period_s", "pickup_latency_s"])
+@pytest.mark.parametrize("key", ["camera_period_s", "camera_latency_s"])
 def test_times_that_are_no_multiple_of_a_tick_are_refused(key: str) -> None:
     with pytest.raises(UserError, match=f"sensors.{key} = 0.25 s does not fit.* 0.1 s"):
         create_mission(setup_of("comb-port-weather", f"sensors.{key}=0.25"), "physics")
 
 
 @pytest.mark.parametrize(
-    "setting", ["pickup_noise_m=-0.1", "pickup_view_deg=0", "pickup_range_m=0", "pickup_period_s=0"]
+    "setting", ["camera_noise_m=-0.1", "camera_fov_deg=0", "camera_range_m=0", "camera_period_s=0"]
 )
 def test_values_out_of_range_are_refused_by_name(setting: str) -> None:
     with pytest.raises(UserError, match="sensors." + setting.partition("=")[0]):

@@ -91,7 +91,7 @@ def test_integrators_have_steps_of_their_own(integrator: str, step_s: float) -> 
 @pytest.mark.parametrize("camera", [False, True])
 def test_collectors_know_where_items_are_or_what_their_cameras_saw(camera: bool) -> None:
     """Scouts have no camera, and no camera sees all items."""
-    setup = setup_of("comb-port-weather", *SHORT, f"sensors.pickup_noise_m={0.1 * camera}")
+    setup = setup_of("comb-port-weather", *SHORT, f"sensors.camera_noise_m={0.1 * camera}")
     mission = create_mission(setup, "physics")
     mission.reset(3, np.arange(4))
     mission.run(create_policy("greedy"))
@@ -109,7 +109,7 @@ def test_collectors_know_where_items_are_or_what_their_cameras_saw(camera: bool)
 
 def test_pilots_are_told_one_item_to_pick_up_or_one_to_be_ready_for() -> None:
     """The latter lies outside the node that the forager is sent to, within 9 m."""
-    setup = setup_of("comb-port-weather", "horizon=45", "sensors.pickup_noise_m=0.0")
+    setup = setup_of("comb-port-weather", "horizon=45", "sensors.camera_noise_m=0.0")
     mission, policy, ready = create_mission(setup, "physics"), create_policy("greedy"), 0
     mission.reset(3, np.arange(4))
     mission.prepare(policy)

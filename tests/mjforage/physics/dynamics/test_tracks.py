@@ -20,8 +20,8 @@ from mjforage.scenario.scenario import Sensors
 STEP_S = 0.1
 OPEN = Water(np.zeros((0, 0), np.bool_), 4.0)
 BASIN = Water(Chart(np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], np.bool_), 4.0).land, 4.0)
-REAL = Sensors(0.1, 1.0, 0.95, pickup_noise_m=0.1)
-EXACT = Sensors(pickup_range_noise_per_m=0.0, pickup_range_m=1e4)
+REAL = Sensors(0.1, 1.0, 0.95, camera_noise_m=0.1)
+EXACT = Sensors(camera_range_noise_per_m=0.0, camera_range_m=1e4)
 COLLECTS = np.array([False, True])
 Way = Callable[[float], tuple[float, float]]
 
@@ -90,7 +90,7 @@ def test_the_error_falls_below_that_of_a_sighting_and_a_drift_is_learnt() -> Non
 
 
 def test_it_is_held_while_out_of_view_drifts_on_and_is_forgotten() -> None:
-    watch = Watch(drifting, replace(REAL, pickup_view_deg=120.0), episodes=range(300))
+    watch = Watch(drifting, replace(REAL, camera_fov_deg=120.0), episodes=range(300))
     watch.until(100)
     watch.pose[..., 2] = np.pi
     last = watch.until(200) - watch.at(200)[:, 0]

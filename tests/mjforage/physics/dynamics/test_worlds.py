@@ -18,8 +18,8 @@ WEATHER = load_scenario("comb-port-weather")
                 "sensors.position_noise_m=0.0",
                 "sensors.heading_noise_deg=0.0",
                 "sensors.detection=1.0",
-                "sensors.pickup_noise_m=0.0",
-                "sensors.pickup_view_deg=127.0",
+                "sensors.camera_noise_m=0.0",
+                "sensors.camera_fov_deg=127.0",
             ),
             ("graph", "hulls", "calibrated", "debris", "physics"),
         ),
@@ -55,7 +55,7 @@ def pieces(scenario: Scenario) -> tuple[bool, ...]:
         whole(weather.circulation_mps, weather.current_wander_mps),
         physics.capture == "intake",
         weather.gust_intensity > 0,
-        whole(sensors.position_noise_m, sensors.heading_noise_deg, sensors.pickup_noise_m),
+        whole(sensors.position_noise_m, sensors.heading_noise_deg, sensors.camera_noise_m),
     )
 
 
