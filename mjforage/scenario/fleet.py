@@ -33,7 +33,7 @@ class Role:
     carries: bool = False
     """Whether it takes over what others have aboard."""
     relays: bool = False
-    """Whether it passes on what it hears, also where `link.relay` is off."""
+    """Whether it passes on what it receives, also where `link.relay` is off."""
     antenna_m: Annotated[float, Within(0.01, 200, "m")] = 1.0
     """Height of its antenna above the water, for `link.model = "two-ray"`."""
 

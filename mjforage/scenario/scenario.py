@@ -224,14 +224,14 @@ _RF = source("gz-sim, RFComms")
 class Link:
     """How scans get from agent to agent; by default everybody receives everything at once.
 
-    With a link every agent acts by what it has seen and heard itself. At the end of every decision
+    With a link every agent acts by what it has seen and received. At the end of every decision
     agents pass on the scans that others in reach lack, the newest first, one hop at a time.
     """
 
     model: Literal["ideal", "none", "disk", "log-distance", "two-ray"] = "ideal"
-    """`ideal`: everybody receives everything at once; `none`: nobody hears anybody; `disk`: within a
-    range; `log-distance`: power falls with a power of the distance; `two-ray`: with the echo of the
-    water."""
+    """`ideal`: everybody receives everything at once; `none`: nobody receives anything; `disk`:
+    within a range; `log-distance`: power falls with a power of the distance; `two-ray`: with the
+    echo of the water."""
     range_m: Annotated[float, Within(0, 1e6, "m")] = 1e6
     """Radius of the disk."""
     wall_db: Annotated[float, Within(0, 1000, "dB")] = 0.0
@@ -254,7 +254,7 @@ class Link:
     """Mean length of such a time (Gilbert and Elliott); 1: decisions are independent, which makes
     it 1 / (1 - loss)."""
     latency: Annotated[int, Within(0, 30000, "decisions")] = 0
-    """Time until what was sent is heard."""
+    """Time until what was sent is received."""
     bytes: Annotated[int, Within(0, 1_000_000_000, "B")] = 0
     """What an agent can send in a decision, 0 without a limit; a scan of n occupied nodes takes
     6 + 3 n."""

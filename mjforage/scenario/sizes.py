@@ -86,11 +86,11 @@ def mission_bytes(
         each += items * steps * _PLACE
         roles = [role for role in scenario.team.values() if role.count]
         each += agents * steps * 2 * max(min(4.0 * role.radius**2 + 1, nodes) for role in roles)
-    holders = agents if scenario.link.model != "ideal" else 1
+    owners = agents if scenario.link.model != "ideal" else 1
     if scenario.prior.detection < 1.0 or scenario.prior.half_range_node:
-        each += holders * steps * nodes * _NEAR
+        each += owners * steps * nodes * _NEAR
     if scenario.sensors.map == "filtered":
-        each += (1 + holders) * nodes * _DENSITY
+        each += (1 + owners) * nodes * _DENSITY
     frames = steps * shape[0] * shape[1] * _FRAME if recorded else 0
     return episodes * each + frames
 
