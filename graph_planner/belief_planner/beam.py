@@ -26,9 +26,7 @@ def free_slot(order: NDArray[np.int64], kept: int) -> int:
 def insert(order: NDArray[np.int64], cost: NDArray[np.float64], kept: int, slot: int) -> int:
     """Give an admitted candidate its place in the order; the dearest goes if there is no room.
 
-    Returns
-    -------
-    Candidates kept now
+    Returns: candidates kept now.
     """
     place = min(kept, order.size - 1)
     while place > 0 and cost[order[place - 1]] > cost[slot]:

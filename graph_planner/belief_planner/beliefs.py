@@ -1,4 +1,4 @@
-"""What is believed of each row of a batch: items and their drift, and what is still unseen.
+"""Beliefs of each row of a batch: items and their drift, and items still unseen.
 
 Tracks of what was seen, the drift from their ways, hotspots from what was not: every
 decision brings them up to date with what is in view, and with looks that are heard late.
@@ -40,7 +40,7 @@ def stale_nodes(seen: Observation, e: int) -> NDArray[np.float64]:
 
 
 class Beliefs:
-    """What is believed of a batch of rows.
+    """Beliefs of a batch of rows.
 
     Attributes
     ----------

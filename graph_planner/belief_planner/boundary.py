@@ -20,7 +20,7 @@ STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over 
 
 
 class Boundary(NamedTuple):
-    """Where water ends, and what becomes of items there."""
+    """Boundary of the water, and the rule for items there."""
 
     framed: Int32Array  # (row + 2, column + 2) node of each cell in a frame of land, see `Water`
     rows: Int32Array  # (node,)
@@ -71,7 +71,7 @@ def boundary_of(graph: NavigationGraph, walls: str = "clip") -> Boundary:
 
 @inlined
 def held(boundary: Boundary, node: int, axis: int) -> bool:
-    """Whether a quay beside a node may hold up items that drift along it, as all but clip do.
+    """True if a quay beside a node may hold up items that drift along it, as all but clip do.
 
     Items at the edge of the map are clipped to it, whatever the rule, and drift along it freely.
     """

@@ -79,7 +79,7 @@ class Connectivity:
 
     @property
     def always(self) -> bool:
-        """Whether agents are taken to hear each other everywhere."""
+        """True if agents are taken to hear each other everywhere."""
         return bool(np.isinf(self.reach))
 
     def note(self, seen: Observation, e: int) -> None:
@@ -98,7 +98,7 @@ class Connectivity:
         return float(seen.step[e] - 1 - heard.max()) if heard.size else np.inf
 
     def waits(self, seen: Observation, e: int) -> int:
-        """Where a forager without items waits for news; `NOBODY` if it need not.
+        """Node where a forager without items waits for news; `NOBODY` if it need not.
 
         Where it was last in touch; at the meeting place, if nobody comes there.
         """
@@ -109,7 +109,7 @@ class Connectivity:
         return self._meeting if goes else int(self._home[e])
 
     def looks_alone(self, seen: Observation, e: int) -> bool:
-        """Whether a forager that waits for news looks for items by itself."""
+        """True if a forager that waits for news looks for items by itself."""
         patience = PATIENCE if self.reach > 0.0 else 0
         return self._alone and self._silence(seen, e, self._scouts) >= patience
 
@@ -177,7 +177,7 @@ class Connectivity:
         return target
 
     def _place(self, e: int, other: int, told: int, last: int, here: int, holder: int) -> int:
-        """Where to look for somebody last heard of at a step `told` in node `last`: there, then at
+        """Node where somebody last heard of at a step `told` in node `last` may be: there, then at
         the meeting place; `NOBODY` if it is at neither.
         """
         for missed, node in zip(self._missed, (last, self._meeting), strict=True):
@@ -196,7 +196,7 @@ class Connectivity:
         return node, np.inf
 
     def _is_near(self, here: int, node: int, moves: int) -> bool:
-        """Whether it is not far to a node, nor around a corner."""
+        """True if it is not far to a node, nor around a corner."""
         rows, cols = self._graph.rows, self._graph.cols
         if max(abs(rows[node] - rows[here]), abs(cols[node] - cols[here])) > moves:
             return False

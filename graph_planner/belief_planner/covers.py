@@ -225,7 +225,7 @@ LEAST_SHAPE = 0.02  # of the number of items: a deviation of seven times its mea
 
 
 def hotspot_cover(task: Task, agent: int, settings: BeliefSettings) -> BlockCover:
-    """What an agent would notice of hotspots from every node: `NOTICED` sure to see an item."""
+    """Hotspots that an agent would notice from every node: `NOTICED` sure to see an item."""
     shape = max((settings.items / settings.items_sd) ** 2, LEAST_SHAPE)
     rate = shape * settings.hotspots / settings.items
     least = rate * ((1.0 - NOTICED) ** (-1.0 / shape) - 1.0)

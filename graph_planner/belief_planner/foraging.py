@@ -60,7 +60,7 @@ class Members(NamedTuple):
 
 @kernel
 def is_able(members: Members, f: int, room_left: NDArray[np.int64], energy: float) -> bool:
-    """Whether a forager can still collect, by what every agent (agent,) has room for [item] and its
+    """True if a forager can still collect, by what every agent (agent,) has room for [item] and its
     energy [node].
     """
     return bool((room_left[members.agents[f]] > 0) & (energy >= 1.0))
@@ -101,7 +101,7 @@ def _hold(
 
 
 class Effort(NamedTuple):
-    """How routes are searched."""
+    """Settings of the route search."""
 
     stay: bool  # whether staying put is a move
     joint: bool  # whether routes are searched together
@@ -179,42 +179,6 @@ def follow_routes(
 
 
 @kernel
-def plan_routes(
-    items: Floating,
-    boundary: Boundary,
-    ways: tuple[Ways, ...],
-    able: Able,
-    agent_node: Int32Array,
-    agent_yaw: NDArray[np.float64],
-    drift_rc: NDArray[np.float64],
-    effort: Effort,
-    scratch: Scratch,
-    preferences: NDArray[np.float64],
-) -> int:
-    """Plan routes and overwrite the rows of preferences (agent, 9) of those who are able.
-
-    Parameters
-    ----------
-    agent_node, agent_yaw, drift_rc : see `gather_legs`
-
-    Returns
-    -------
-    Number of stops; with none nothing is written
-    """
-    about = items, boundary, ways, able, agent_node
-    stay, taking, found = effort.stay, effort.taking, scratch.found
-    legs = gather_legs(*about, agent_yaw, drift_rc, stay, taking, found)
-    n = legs.weight.size
-    if n == 0 or able.agents.size == 0:
-        return 0
-    target = np.full(able.agents.size, NOWHERE, np.int64)
-    if effort.joint:
-        target = search_routes(legs, effort.beam, effort.choices, effort.depth)
-    follow_routes(*about, legs.first, target, scratch, preferences)
-    return int(n)
-
-
-@kernel
 def _send(
     members: Members,
     boundary: Boundary,
@@ -232,7 +196,16 @@ def _send(
     """As `Foraging.send`."""
     able = able_now(members, room_left, energy_left)
     about = items, boundary, ways, able, agent_node
-    return plan_routes(*about, agent_yaw, drift_rc, effort, scratch, preferences)
+    stay, taking, found = effort.stay, effort.taking, scratch.found
+    legs = gather_legs(*about, agent_yaw, drift_rc, stay, taking, found)
+    n = legs.weight.size
+    if n == 0 or able.agents.size == 0:
+        return 0
+    target = np.full(able.agents.size, NOWHERE, np.int64)
+    if effort.joint:
+        target = search_routes(legs, effort.beam, effort.choices, effort.depth)
+    follow_routes(*about, legs.first, target, scratch, preferences)
+    return int(n)
 
 
 class Collecting:
@@ -265,7 +238,7 @@ class Collecting:
     def is_able(
         self, agent: int, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
     ) -> bool:
-        """Whether one forager can still collect."""
+        """True if one forager can still collect."""
         return bool((self.able_now(room_left, energy_left).agents == agent).any())
 
     def hold(
@@ -305,17 +278,14 @@ class Foraging(Collecting):
     ) -> int:
         """Overwrite the foragers' rows of preferences (agent, 9) by the way to what is in `items`.
 
-        Those that are full or out of energy are left out.
+        Those that are full or out of energy are left out. Returns: number of stops; with none
+        nothing is written.
 
         Parameters
         ----------
         agent_node, agent_yaw : (agent,) where they are, and their heading [rad]
         drift_rc : (item, 2) of each, or (1, 2) of all [node/step]
         room_left : (agent,) items; energy_left : (agent,) [node]
-
-        Returns
-        -------
-        Number of stops; with none nothing is written
         """
         left = room_left, energy_left
         return self._send(self.items, agent_node, agent_yaw, drift_rc, *left, preferences)

@@ -1,4 +1,4 @@
-"""Where the items came from, and what of them is still unseen.
+"""Posterior of the hotspots that items came from, and of the items still unseen.
 
 Each of a given number of hotspots has a position (uniform over the nodes) and a number of items
 (gamma distributed). Under every hypothesis of the drift it is known which start nodes have been in
@@ -119,7 +119,7 @@ def look(spots: Hotspots, e: int, nodes: Int32Array, factor: NDArray[np.float32]
 
 @kernel
 def believed(spots: Hotspots, e: int) -> int:
-    """How many hotspots there are: as many as assumed, or else one more than have shown."""
+    """Number of hotspots: as many as assumed, or else one more than have shown."""
     shown = spots.assumed
     while shown < spots.sighted.shape[1] and spots.sighted[e, shown] >= REFUTING:
         shown += 1
@@ -246,15 +246,13 @@ def _locate(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Update the posterior of hotspot h.
 
+    Returns: (node,) items that the hotspot has in all if it is there, and the box (see `bounds`)
+    outside of which it is not.
+
     Parameters
     ----------
     rate : b of the number of items
     mean : (node,) chance that no view showed an item which started there
-
-    Returns
-    -------
-    (node,) items that the hotspot has in all if it is there, and the box (see `bounds`) outside of
-    which it is not
     """
     n, a, b = mean.size, spots.shape + spots.sighted[e, h], rate
     log_starts, box = spots.log_starts[e, h], np.array([0, 1 << 40, 0, 1 << 40])

@@ -22,7 +22,7 @@ from mjforage.mission.task import NEVER
 
 
 class Glance(NamedTuple):
-    """What the late looks of one step show together."""
+    """All that the late looks of one step show together."""
 
     belief: NDArray[np.int16]  # (node,) items, right where the node was in view
     last_seen: NDArray[np.int16]  # (node,) step where the node was in view, else `NEVER`
@@ -120,7 +120,7 @@ def _is_out(
     step: int,
     now: int,
 ) -> bool:
-    """Whether an item at a place [node] at a step would have been seen or taken before now."""
+    """True if an item at a place [node] at a step would have been seen or taken before now."""
     row, col, node = settled(boundary, row, col)
     unseen = 1.0
     for s in range(step + 1, now):

@@ -28,7 +28,7 @@ class MissedDetections(NamedTuple):
 
 
 class Looking(NamedTuple):
-    """Who looked in a step, from where."""
+    """Observers of a step, and their places."""
 
     at: Int32Array  # (look,) nodes
     radius: NDArray[np.int64]  # (look,) which list of `views`
@@ -54,7 +54,7 @@ def assumed_chances(task: Task, settings: BeliefSettings) -> NDArray[np.float64]
 
 @inlined
 def is_certain(missed_detections: MissedDetections) -> bool:
-    """Whether nothing in view is ever missed."""
+    """True if nothing in view is ever missed."""
     return bool(missed_detections.near.shape[1] == 0)
 
 

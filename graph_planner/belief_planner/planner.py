@@ -64,11 +64,11 @@ class BeliefPlanner:
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
 
     def _foraging(self, settings: BeliefSettings) -> Foraging:
-        """Who searches for those who collect."""
+        """The search of the collectors."""
         return Foraging(self._task, settings)
 
     def _scouting(self, settings: BeliefSettings, agents: NDArray[np.int64]) -> Scouting:
-        """Who searches for those who look."""
+        """The search of the scouts."""
         return Scouting(self._task, settings, agents)
 
     def _lookers(self, agents: NDArray[np.int64]) -> Lookers:
@@ -147,7 +147,7 @@ class BeliefPlanner:
         scouting.look(seen.agent_node[e], mass, self._preferences[e], [cover])
 
     def _in_vain(self, seen: Observation, e: int) -> bool:
-        """Whether the search for the first hotspot shows no new nodes, or few are left to show.
+        """True if the search for the first hotspot shows no new nodes, or few are left to show.
 
         Then the assumptions are wrong, or nothing would be noticed anywhere by them; scouts look
         at what nobody has seen for the rest of the search.

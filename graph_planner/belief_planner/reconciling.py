@@ -41,7 +41,7 @@ MOST_LACKING = 256  # new sightings taken in at once
 
 
 class View(NamedTuple):
-    """What is in view of the fleet."""
+    """The view of the fleet."""
 
     now: int  # step
     belief: NDArray[np.int16]  # (node,) items, right where the node is in view
@@ -49,7 +49,7 @@ class View(NamedTuple):
 
 
 class Doubts(NamedTuple):
-    """What a view may have missed or invented; see `missed_detections`."""
+    """Missed detections and false positives of a view; see `missed_detections`."""
 
     missed_detections: MissedDetections
     false_rate: float  # items per node and step that are seen and are none
@@ -63,7 +63,7 @@ def no_doubts(nodes: int) -> Doubts:
 
 
 class Catch(NamedTuple):
-    """What hulls took aboard in the step just made; of nobody where collecting is certain.
+    """Items that hulls collected in the step just made; of nobody where collecting is certain.
 
     What is not seen in their own nodes has not just gone out of sight.
     """
@@ -93,7 +93,7 @@ def _squared(boundary: Boundary, node: int, row: float, col: float) -> float:
 def _loosen(
     tracks: Tracks, boundary: Boundary, e: int, view: View, tracked: NDArray[np.int16]
 ) -> NDArray[np.bool_]:
-    """Which tracks (track,) are too many in a node in view: those farthest from its middle."""
+    """Surplus tracks (track,) of nodes in view: those farthest from the middle."""
     n, node = tracks.number[e], tracks.node[e]
     loose = np.zeros(n, np.bool_)
     for i in range(n):
@@ -182,7 +182,7 @@ def _hide(
 
 @kernel
 def _caught(tracks: Tracks, boundary: Boundary, e: int, i: int, catch: Catch) -> bool:
-    """Whether a track that is not where it should be can be an item that a forager took."""
+    """True if a track that is not where it should be can be an item that a forager took."""
     for f in range(catch.at.size):
         away = _squared(boundary, catch.at[f], tracks.row[e, i], tracks.col[e, i])
         if catch.left[f] > 0 and away <= CATCH_GATE**2:
@@ -230,7 +230,7 @@ def _is_real(
 
 @kernel
 def _has(nodes: Int32Array, node: int) -> bool:
-    """Whether a node is among others."""
+    """True if a node is among others."""
     found = False
     for other in nodes:
         found |= other == node
@@ -253,6 +253,8 @@ def reconcile(
 ) -> int:
     """Make the tracks agree with the counts in view.
 
+    Returns: new tracks; they are the last ones.
+
     Parameters
     ----------
     neighbours : (node, 8) int32
@@ -261,10 +263,6 @@ def reconcile(
     catch : what foragers have taken
     doubts : what the view may have missed or invented
     ways, lost : displacements that ended and items given up, added to
-
-    Returns
-    -------
-    New tracks; they are the last ones
     """
     n, now = tracks.number[e], view.now
     loose = _loosen(tracks, boundary, e, view, memory.tracked)

@@ -25,7 +25,7 @@ _RETIRED = np.uint64(7)  # what a forager that goes nowhere any more adds to a m
 
 
 class Legs(NamedTuple):
-    """What there is to collect, and how far it is."""
+    """Stops to collect from, and the ways between them."""
 
     weight: NDArray[np.float64]  # (stop,) items at each
     first: NDArray[np.float64]  # (forager, stop) decisions from where the foragers are
@@ -70,7 +70,7 @@ class Outlook(NamedTuple):
 
 
 class Ranking(NamedTuple):
-    """Which stops are best from where a forager is, by decisions per item; filled on demand."""
+    """Ranks of the stops from a forager's place, by decisions per item; filled on demand."""
 
     known: NDArray[np.bool_]  # (place,) places: where foragers start, then (kind, stop)
     stops: NDArray[np.int64]  # (place, stop) the best first
@@ -231,7 +231,7 @@ def _rest(
 def _has_twin(
     names: NDArray[np.uint64], cost: NDArray[np.float64], kept: int, name: np.uint64, price: float
 ) -> bool:
-    """Whether a step to the same state is kept that is no dearer."""
+    """True if a step to the same state is kept that is no dearer."""
     found = False
     for slot in range(kept):
         if names[slot] == name and cost[slot] <= price:
@@ -252,15 +252,13 @@ def _grow(
 ) -> tuple[int, bool]:
     """Try what can be done next in every state, and keep the best steps.
 
+    Returns: steps kept, and whether any of the routes could go on.
+
     Parameters
     ----------
     number : states
     outlook, chosen : scratch for the stops as a state sees them, and the best of them
     ranking : of the stops from every place
-
-    Returns
-    -------
-    Steps kept, and whether any of the routes could go on
     """
     worth, first, between, kind = legs.weight, legs.first, legs.between, legs.kind
     clock, at, visited, room = states.clock, states.at, states.visited, states.room
@@ -342,7 +340,7 @@ def _follow(legs: Legs, states: States, steps: Steps, kept: int, after: States) 
 
 @kernel
 def _begin_alike(states: States, number: int) -> bool:
-    """Whether all of some states have the same first stops, which none that follows can change."""
+    """True if all of some states have the same first stops, which none that follows can change."""
     clock, begun = states.clock, states.begun
     for i in range(number):
         for f in range(begun.shape[1]):
@@ -355,16 +353,14 @@ def _begin_alike(states: States, number: int) -> bool:
 def search_routes(legs: Legs, beam: int, choices: int, depth: int) -> NDArray[np.int64]:
     """The stop that each forager goes to first in the best joint route found.
 
+    Returns: (forager,) stop, `NOWHERE` for a forager that is better left out.
+
     Parameters
     ----------
     legs : of at most 64 stops
     beam : states kept
     choices : stops tried from a state
     depth : stops in a route, over all foragers
-
-    Returns
-    -------
-    (forager,) stop, `NOWHERE` for a forager that is better left out
     """
     foragers, n = legs.first.shape
     if n == 0 or foragers == 0:

@@ -12,44 +12,44 @@ class BeliefOptions:
     """Effort and parts of the belief planner."""
 
     fast: bool = False
-    """Whether to search less, for about three times the speed."""
+    """Search less, for about three times the speed."""
     robust: bool = False
-    """Whether to assume up to three hotspots of unknown width and number of items, and twice the
+    """Assume up to three hotspots of unknown width and number of items, and twice the
     drift of the prior."""
     advection: bool = True
-    """Whether known items are carried on by the estimated drift, else they stay where seen."""
+    """Known items are carried on by the estimated drift, else they stay where seen."""
     wind: bool = True
-    """Whether the drift is estimated from the items' displacements, else taken as zero."""
+    """The drift is estimated from the items' displacements, else taken as zero."""
     hotspot: bool = True
-    """Whether expected unseen items guide scouts and foragers, else only what was seen does."""
+    """Expected unseen items guide scouts and foragers, else only what was seen does."""
     preposition: bool = True
-    """Whether foragers wait where the hotspot is near, else where they start."""
+    """Foragers wait where the hotspot is near, else where they start."""
     joint: bool = True
-    """Whether foragers' routes are searched together, else each goes for its nearest item."""
+    """Foragers' routes are searched together, else each goes for its nearest item."""
     sweeps: bool = True
-    """Whether scouts plan ahead, else each takes the move that shows most at once."""
+    """Scouts plan ahead, else each takes the move that shows most at once."""
     look_discount: Annotated[float, Within(0.5, 1)] = 0.9
-    """How much a decision counts over the one before it in the time until unseen items are seen;
+    """Weight of a decision over the one before it in the time until unseen items are seen;
     below 1 scouts commit themselves to one of several places far apart, as is needed on large
     maps."""
     refresh: bool = True
-    """Whether scouts look at known items and outdated beliefs again."""
+    """Scouts look at known items and outdated beliefs again."""
     link_node: Annotated[float, Within(0, 1e6, "node")] | None = None
-    """How far apart agents are taken to be in contact, 0: nobody is ever heard; absent: as far as
+    """Range of contact that agents are taken to have, 0: nobody is ever heard; absent: as far as
     `[link]` has it where no quay is between."""
     report: bool = True
-    """Whether scouts come back with news to foragers out of reach."""
+    """Scouts come back with news to foragers out of reach."""
     alone: bool = True
-    """Whether foragers that hear of nobody look for items by themselves."""
+    """Foragers that hear of nobody look for items by themselves."""
     meet: bool = False
-    """Whether those who have lost touch go to a meeting place in the middle of the map."""
+    """Those who have lost touch go to a meeting place in the middle of the map."""
     relay: bool = True
-    """Whether relays stand where most of the others are in their reach, else they look around."""
+    """Relays stand where most of the others are in their reach, else they look around."""
 
 
 @dataclass(frozen=True)
 class BeliefSettings(BeliefOptions, Prior):
-    """What the planner assumes, how hard it searches, and which of its parts are on."""
+    """Assumptions, effort and parts of the planner."""
 
     @classmethod
     def of(cls, prior: Prior, options: BeliefOptions | None = None) -> Self:

@@ -1,4 +1,4 @@
-"""Where a scout looks next: a beam search over its moves for seeing much and seeing it early.
+"""Sweeps of a scout: a beam search over its moves for seeing much and seeing it early.
 
 Every cell of the search (a node to be seen, or a block of places where a hotspot may be) has a
 mass. A plan is judged by the sum over all masses of the decision in which each is seen; for mass
@@ -24,7 +24,7 @@ SEEN = 1e-9  # so little mass left of a landmark is rounding
 
 
 class Cover(NamedTuple):
-    """What is seen from where, and how far its parts are."""
+    """Cells seen from each node, and the decisions to each landmark."""
 
     start: NDArray[np.int64]  # (node + 1,) cells seen from a node
     cells: Int32Array  # `cells[start[v]:start[v + 1]]`
@@ -77,7 +77,7 @@ class Plans(NamedTuple):
 
 
 class Trail(NamedTuple):
-    """How every plan came about."""
+    """Predecessors of every plan."""
 
     node: Int32Array  # (decision + 1, slot) where it was then
     parent: NDArray[np.int64]  # (decision + 1, slot) its slot one decision before
@@ -188,7 +188,7 @@ def _rest(
 def _has_twin(
     node: Int32Array, k: int, cost: NDArray[np.float64], kept: int, end: int, price: float
 ) -> bool:
-    """Whether a plan of `k` decisions is kept that ends in the same node at the same cost."""
+    """True if a plan of `k` decisions is kept that ends in the same node at the same cost."""
     found = False
     for slot in range(kept):
         if node[k, slot] == end and abs(cost[slot] - price) <= 1e-9 * price:
@@ -203,15 +203,13 @@ def _prolong(
 ) -> int:
     """Prolong plans to `k` decisions by every move, and keep the best of them.
 
+    Returns: plans kept.
+
     Parameters
     ----------
     plans, number : the plans, of k - 1 decisions, and how many they are
     longer : filled
     first : (9,) filled with preferences for the first moves, if these are the first
-
-    Returns
-    -------
-    Plans kept
     """
     cover, trail, landmark = search.cover, search.trail, search.cover.landmark
     marks, place_of, elsewhere = search.marks.landmark, search.marks.place, search.marks.elsewhere
@@ -252,7 +250,7 @@ def _prolong(
 
 @kernel
 def _begin_alike(plans: Plans, number: int) -> bool:
-    """Whether all of some plans have the same first move."""
+    """True if all of some plans have the same first move."""
     alike = True
     for slot in plans.order[:number]:
         alike &= plans.begun[slot] == plans.begun[plans.order[0]]
@@ -276,6 +274,8 @@ def search_sweep(
 ) -> int:
     """Plan one scout's moves.
 
+    Returns: decisions in the plan.
+
     Parameters
     ----------
     ends : (node, 9) where its moves end
@@ -288,10 +288,6 @@ def search_sweep(
     whole : whether the path is wanted, else the search ends once all plans begin alike
     preferences : (9,) filled; -inf where illegal
     path : (depth,) nodes of the best plan so far, filled
-
-    Returns
-    -------
-    Decisions in the plan
     """
     marks = _marks(cover, mass, elsewhere)
     each = (depth + 1, beam)

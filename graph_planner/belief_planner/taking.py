@@ -1,4 +1,4 @@
-"""How long foragers take to collect what is in a node: in the graph no time, with hulls some.
+"""Time that foragers take to collect what is in a node: in the graph none, with hulls some.
 
 A hull takes one item after the other, needs a stand-off for one in a corner of two quays, and turns
 slowly: what lies behind it in the next node takes a decision more. On the way to a node farther
@@ -38,7 +38,7 @@ class Taking(NamedTuple):
 
 @kernel
 def quays_beside(boundary: Boundary, row: float, col: float, node: int) -> int:
-    """How many quays (0 to 2) lie beside a position in a node."""
+    """Number of quays (0 to 2) beside a position in a node."""
     count = 0
     for axis in range(2):
         off = row - boundary.rows[node] if axis == 0 else col - boundary.cols[node]

@@ -29,9 +29,7 @@ def summed(place: Int32Array, value: NDArray[np.float64], size: int) -> NDArray[
 def likeliest(expected: NDArray[np.float64], best: NDArray[np.int64]) -> int:
     """Fill `best` with the nodes of more than `LEAST` items, most first, then the lower number.
 
-    Returns
-    -------
-    How many they are: as many as `best` has room for, at most
+    Returns: how many they are: as many as `best` has room for, at most.
     """
     number = 0
     for node in range(expected.size):
@@ -117,5 +115,5 @@ class TargetValues:
         self._list_items(e, now, items)
 
     def worth_seeing(self, seen: Observation, e: int) -> NDArray[np.float64]:
-        """What seeing each node (node,) is worth to the fleet in a row of a plain observation."""
+        """Worth (node,) of seeing each node to the fleet, in a row of a plain observation."""
         return self._worth_seeing(seen, e)

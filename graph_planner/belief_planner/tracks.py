@@ -145,7 +145,7 @@ def lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
 
 @inlined
 def _same_walls(boundary: Boundary, start: int, node: int, axis: int) -> bool:
-    """Whether drift along an axis ends at the same walls in two nodes, and is held up alike."""
+    """True if drift along an axis ends at the same walls in two nodes, and is held up alike."""
     shift = (
         (boundary.rows[node] - boundary.rows[start])
         if axis == 0

@@ -26,7 +26,7 @@ LATER = 6  # steps for which an item counts less where a hull gave up
 
 
 class Assumed(NamedTuple):
-    """What the settings and the task say."""
+    """Assumptions of the settings and the task."""
 
     advection: bool
     wind: bool
@@ -68,7 +68,7 @@ class Store(NamedTuple):
 
 @kernel
 def wander_of(store: Store, e: int) -> float:
-    """How uncertain an unseen track gets [node/step]."""
+    """Growth of an unseen track's uncertainty [node/step]."""
     return float(2.0 * store.wind.deviation[e].max() + 0.05)
 
 
@@ -112,7 +112,7 @@ def remember(
 
 @kernel
 def catch_of(store: Store, seen: Observation, e: int) -> rc.Catch:
-    """What foragers took in the step just made, and where one gave up."""
+    """Items that foragers took in the step just made, and nodes where one gave up."""
     now, foragers = seen.step[e] - 1, store.eyes.foragers
     many = 0 if store.assumed.at_once else foragers.size
     at, caught = np.empty(many, np.int32), np.empty(many, np.int64)

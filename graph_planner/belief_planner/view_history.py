@@ -51,5 +51,5 @@ def remember(
 
 @inlined
 def was_in_view(views: NDArray[np.uint64], step: int, node: int) -> bool:
-    """Whether a view of the episode, at a step, held a node."""
+    """True if a view of the episode, at a step, held a node."""
     return bool((views[step, node >> 6] >> np.uint64(node & 63)) & np.uint64(1) != 0)

@@ -1,4 +1,4 @@
-"""Where foragers wait before anything is known: near to where the hotspot may be."""
+"""Waiting of foragers before anything is known: near to where the hotspot may be."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,19 +54,16 @@ def regrets(
     at: Int32Array,
     ahead: int,
 ) -> NDArray[np.float64]:
-    """What a step of not knowing costs the foragers if the hotspot is at a landmark.
+    """Cost to the foragers of a step of not knowing, if the hotspot is at a landmark.
 
     While it is not found they go on as `approach` says. A forager that comes nearer to the hotspot
-    all the same loses nothing, one that goes the other way two steps in each.
+    all the same loses nothing, one that goes the other way two steps in each. Returns: (landmark,)
+    lost steps per forager and step, 0 to 2.
 
     Parameters
     ----------
     kind, at : (forager,) its number in `ways`, and its node
     ahead : steps looked at
-
-    Returns
-    -------
-    (landmark,) lost steps per forager and step, 0 to 2
     """
     regret = np.zeros(landmarks.size)
     preferences = np.empty(9)

@@ -25,7 +25,7 @@ MISTAKE = 0.03  # of a likelihood's height: for ways of mistaken tracks
 
 
 class Wind(NamedTuple):
-    """What is known of the drift in a batch."""
+    """Estimate of the drift in a batch."""
 
     grid: NDArray[np.float64]  # (point,) drifts [node/step]
     prior: NDArray[np.float64]  # (point,) log

@@ -116,7 +116,7 @@ def _plan_tours(
     key: np.uint64,
     step: int,
 ) -> int:
-    """As `plan_routes`, by `search_tours`."""
+    """As `Foraging.send`, by `search_tours`."""
     found = scratch.found
     about = items, boundary, ways, able, agent_node
     legs = gather_legs(*about, agent_yaw, drift_rc, stay, taking, found)

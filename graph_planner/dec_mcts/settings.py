@@ -1,4 +1,4 @@
-"""What the search of `dec-mcts` is set to, as kernels read it."""
+"""Settings of the search of `dec-mcts`, as kernels read them."""
 
 from typing import NamedTuple
 

@@ -37,7 +37,7 @@ class Scouts(NamedTuple):
 
 
 class Sights(NamedTuple):
-    """What is seen in a sample of the others' plans, and in the simulation at hand."""
+    """Cells seen in a sample of the others' plans, and in the simulation at hand."""
 
     token: NDArray[np.int64]  # (2,) of the sample, and of the simulation
     others: NDArray[np.int64]  # (cell,) token of the sample in which others saw it
@@ -112,7 +112,7 @@ def sample_sights(
 def seen_from(
     scouts: Scouts, cover: Cover, end: int, worth: float, sights: Sights, keep: bool
 ) -> float:
-    """What the fleet gains if a look from a node comes when a view has some worth.
+    """Gain of the fleet if a look from a node comes when a view has some worth.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def seen_from(
 
 @kernel
 def left_unseen(cover: Cover, end: int, worth: float, sights: Sights) -> float:
-    """How much sooner, in worth, what is left could be seen by one who ends in a node."""
+    """Worth of what is left, by how much sooner one who ends in a node could see it."""
     value, decisions, fade = 0.0, cover.decisions, sights.fade
     rest, elsewhere = sights.rest, sights.elsewhere
     for mark in range(rest.size):

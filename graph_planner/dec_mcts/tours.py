@@ -22,7 +22,7 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 
 
 class Claims(NamedTuple):
-    """What the others do of what there is to collect, in one sample."""
+    """Stops that the others collect from, in one sample."""
 
     worth: NDArray[np.float64]  # (stop,) of an item there when the first of them comes, 0 if never
     amount: NDArray[np.float64]  # (stop,) items that it takes
@@ -86,7 +86,7 @@ def sample_claims(
 
 @kernel
 def gain_of(first: float, amount: float, there: float, worth: float, room: float) -> float:
-    """What the fleet gains if a stop with so many items is met when an item has some worth.
+    """Gain of the fleet if a stop with so many items is met when an item has some worth.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def left_over(
     visited: NDArray[np.bool_],
     claims: Claims,
 ) -> float:
-    """How much sooner, in worth, what is not visited could be met by one who ends there."""
+    """Worth of the stops not visited, by how much sooner one who ends there could meet them."""
     value, pace, lasts = 0.0, -np.log(effort.discount), legs.lasts[f]
     weight, ways, first, later = legs.weight, _ways_from(legs, f, at), claims.worth, claims.later
     for stop in range(visited.size):

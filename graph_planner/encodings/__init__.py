@@ -1,4 +1,4 @@
-"""What a learner sees of an `Observation`: pictures of the map per agent, as levels of 0 to 255.
+"""Encoders of an `Observation` for learners: arrays per agent, quantised to levels of 0 to 255.
 
 One encoder per file, registered by name; each turns the fleet's observation into arrays of
 (episode, agent, ...) uint8, where level / 255 is the value in [0, 1]. Policies and environments
@@ -19,7 +19,7 @@ from mjforage.graph_planner.encodings.encoder import (
     encoder_class,
     encoder_label,
 )
-from mjforage.graph_planner.encodings.masks import LegalMoves, legal_moves
+from mjforage.graph_planner.encodings.masks import LegalMoves
 
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")
@@ -33,5 +33,4 @@ __all__ = [
     "encoder",
     "encoder_class",
     "encoder_label",
-    "legal_moves",
 ]

@@ -11,7 +11,7 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import Task
 
-REACH = 7  # nodes to each side in the crop
+REACH = 7  # nodes to each side in the local_map
 COARSE = 16  # cells per side of the coarse map
 WORD = 8  # places that are looked at at once, a byte each
 

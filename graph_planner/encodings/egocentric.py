@@ -39,8 +39,8 @@ from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 SIDE = 2 * REACH + 1
-CROP = ("water", "idleness", "belief", "way to items", "again", "scouts", "foragers", "trail")
-GLOBE = ("water", "idleness", "belief", "again", "self", "scouts", "foragers")
+LOCAL_MAP = ("water", "idleness", "belief", "way to items", "again", "scouts", "foragers", "trail")
+GLOBAL_MAP = ("water", "idleness", "belief", "again", "self", "scouts", "foragers")
 OWN = (
     *("collects", "time", "known nodes", "unseen share", "energy left", "number in team"),
     *("way to items", "way to unseen", "team size", "others", "moves", "radius"),
@@ -48,14 +48,14 @@ OWN = (
 
 
 @kernel
-def _paint_crops(
+def _paint_local_maps(
     agent_node: Int32Array,
     arrays: TaskArrays,
     framed: Int32Array,
     framed_water: Levels,
     levels: NDArray[np.uint32],
     trail: Int32Array,
-    crops: Levels,
+    local_maps: Levels,
 ) -> None:
     """The neighbourhood of each agent (agent, channel, SIDE^2), north up."""
     rows, cols, collects = arrays.rows, arrays.cols, arrays.collects
@@ -63,8 +63,8 @@ def _paint_crops(
     nodes, all_water = framed.reshape(-1), framed_water.reshape(-1)
     four = np.empty(cells, np.uint32)
     for a in range(agents):
-        first, crop = rows[agent_node[a]] * width + cols[agent_node[a]], crops[a]
-        water, idle, items, way, again = crop[0], crop[1], crop[2], crop[3], crop[4]
+        first, out = rows[agent_node[a]] * width + cols[agent_node[a]], local_maps[a]
+        water, idle, items, way, again = out[0], out[1], out[2], out[3], out[4]
         for i in range(SIDE):  # the frame adds REACH
             for j in range(SIDE):
                 node = nodes[np.uint64(first + i * width + j)]
@@ -80,41 +80,41 @@ def _paint_crops(
             way[k] = np.uint8(four[k] >> np.uint32(WAY))
         for k in range(cells):
             again[k] = np.uint8(four[k] >> np.uint32(AGAIN))
-        rest, top, left = crop[5:].reshape(-1), rows[agent_node[a]], cols[agent_node[a]]
+        rest, top, left = out[5:].reshape(-1), rows[agent_node[a]], cols[agent_node[a]]
         for k in range(rest.size):
             rest[k] = 0
         for other in range(agents):
             i, j = rows[agent_node[other]] - top + REACH, cols[agent_node[other]] - left + REACH
             if other != a and 0 <= i < SIDE and 0 <= j < SIDE:
-                crop[6 if collects[other] else 5, i * SIDE + j] = TOP
+                out[6 if collects[other] else 5, i * SIDE + j] = TOP
         for k in range(TRAIL - 1, -1, -1):
             node = trail[a, k]
             if node >= 0:
                 i, j = rows[node] - top + REACH, cols[node] - left + REACH
                 if 0 <= i < SIDE and 0 <= j < SIDE:
-                    crop[7, i * SIDE + j] = trail_level(k)
+                    out[7, i * SIDE + j] = trail_level(k)
 
 
 @kernel
-def _paint_globes(
-    agent_node: Int32Array, collects: NDArray[np.bool_], coarse: Int32Array, globe: Levels
+def _paint_global_maps(
+    agent_node: Int32Array, collects: NDArray[np.bool_], coarse: Int32Array, global_map: Levels
 ) -> None:
     """The whole map of each agent (agent, channel, COARSE^2), of which the first has four channels.
 
     The others get a copy of these; the last three are who is where.
     """
-    agents, channels, cells = globe.shape
+    agents, channels, cells = global_map.shape
     for a in range(agents):
         for channel in range(channels):
             if channel >= 4:
                 for cell in range(cells):
-                    globe[a, channel, cell] = 0
+                    global_map[a, channel, cell] = 0
             elif a > 0:
                 for cell in range(cells):
-                    globe[a, channel, cell] = globe[0, channel, cell]
+                    global_map[a, channel, cell] = global_map[0, channel, cell]
         for other in range(agents):
             channel = 4 if other == a else (6 if collects[other] else 5)
-            globe[a, channel, coarse[agent_node[other]]] = TOP
+            global_map[a, channel, coarse[agent_node[other]]] = TOP
 
 
 @kernel
@@ -128,7 +128,7 @@ def _describe_selves(
     unseen_way: NDArray[np.float64],
     out: Levels,
 ) -> None:
-    """What each agent knows of itself and the time (agent, entry), in the order of `OWN`.
+    """Own state of each agent and the time (agent, entry), in the order of `OWN`.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def _describe_selves(
 
 
 class Memory(NamedTuple):
-    """What agents remember of the looks before."""
+    """Memory of the looks before."""
 
     seen_at: Int32Array  # (row,) step of the last look
     trail: Int32Array  # (row, agent, TRAIL) nodes, -1 for none
@@ -170,8 +170,8 @@ class Memory(NamedTuple):
 class Pictures(NamedTuple):
     """The arrays that are filled: levels, their leading axes row and agent."""
 
-    crop: Levels  # its cells in one axis, as those of the globe
-    globe: Levels
+    local_map: Levels  # its cells in one axis, as those of the global_map
+    global_map: Levels
     moves: Levels
     own: Levels
 
@@ -189,7 +189,7 @@ def _look_around(
     seen: Observation,
 ) -> None:
     """Fill the pictures of all agents in some rows (chosen,)."""
-    crop, globe, moves, own = out
+    local_map, global_map, moves, own = out
     trail, nearby, ways, collects = memory.trail, memory.nearby, memory.ways, arrays.collects
     framed, water, coarse = chart.framed, chart.framed_water, chart.coarse
     levels, energy_left = fields.levels, seen.energy_left
@@ -198,10 +198,11 @@ def _look_around(
     remember_places(rows, step, agent_node, memory.seen_at, trail)
     remember_items(rows, seen, around, nearby)
     for e in rows:
-        count = share_fields(e, seen, arrays, chart, nearby, ways, fields, distances, globe[e, 0])
+        shared = global_map[e, 0]
+        count = share_fields(e, seen, arrays, chart, nearby, ways, fields, distances, shared)
         nodes, past = agent_node[e], (step[e] - 1, n_known[e])
-        _paint_globes(nodes, collects, coarse, globe[e])
-        _paint_crops(nodes, arrays, framed, water, levels, trail[e], crop[e])
+        _paint_global_maps(nodes, collects, coarse, global_map[e])
+        _paint_local_maps(nodes, arrays, framed, water, levels, trail[e], local_map[e])
         _describe_selves(nodes, energy_left[e], past, arrays, count, way[e], unseen_way, own[e])
         describe_moves(e, seen, arrays, chart, fields, way[e], moves[e])
 
@@ -213,7 +214,7 @@ class Egocentric:
     Values lie in [0, 1]: float32 in the environments; `see` gives them as uint8 levels of 1 / 255,
     rounded down. Distances d are geodesic [node]; I is idleness.
 
-    `crop` (8, 15, 15): the nodes around the agent, itself in the middle, north up; land is 0.
+    `local_map` (8, 15, 15): the nodes around the agent, itself in the middle, north up; land is 0.
 
     | channel | meaning | unit | value |
     |---|---|---|---|
@@ -225,14 +226,14 @@ class Egocentric:
     | 5, 6 | scouts, foragers, without itself | - | 1 where one is |
     | 7 | own trail of 10 positions | step | 1, then 0.1 less per step back |
 
-    `globe` (7, 16, 16): the whole map in 16 x 16 cells, north up.
+    `global_map` (7, 16, 16): the whole map in 16 x 16 cells, north up.
 
     | channel | meaning | unit | value |
     |---|---|---|---|
     | 0 | share of water | 1 | the share |
     | 1 | mean idleness of its nodes | 1 | I |
     | 2 | believed items in the cell | item | 0.1 each, at most 1 |
-    | 3 | mean of channel 4 of `crop` over its nodes | 1 | the mean |
+    | 3 | mean of channel 4 of `local_map` over its nodes | 1 | the mean |
     | 4, 5, 6 | itself, scouts, foragers, the latter without itself | - | 1 where one is |
 
     `moves` (9, 11): a row per move 0-7 compass, 8 stay; see `move_features`.
@@ -266,8 +267,8 @@ class Egocentric:
     def shapes(self) -> Shapes:
         """Name -> shape of one agent's array."""
         return {
-            "crop": (len(CROP), SIDE, SIDE),
-            "globe": (len(GLOBE), COARSE, COARSE),
+            "local_map": (len(LOCAL_MAP), SIDE, SIDE),
+            "global_map": (len(GLOBAL_MAP), COARSE, COARSE),
             "moves": (9, len(MOVE_FEATURES)),
             "own": (len(OWN),),
         }
@@ -282,9 +283,9 @@ class Egocentric:
             ways=Ways.none_yet(*nodes),
         )
         self._out = {k: np.zeros((*lead, *shape), np.uint8) for k, shape in self.shapes.items()}
-        crop = self._out["crop"].reshape(*lead, len(CROP), -1)
-        globe = self._out["globe"].reshape(*lead, len(GLOBE), -1)
-        self._pictures = Pictures(crop, globe, self._out["moves"], self._out["own"])
+        local_map = self._out["local_map"].reshape(*lead, len(LOCAL_MAP), -1)
+        global_map = self._out["global_map"].reshape(*lead, len(GLOBAL_MAP), -1)
+        self._pictures = Pictures(local_map, global_map, self._out["moves"], self._out["own"])
         self._asked: tuple[object, ...] = ()  # of the last look, for whose kinds it is prepared
 
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
@@ -300,7 +301,7 @@ class Egocentric:
 
 
 def _alike(asked: tuple[object, ...], before: tuple[object, ...]) -> bool:
-    """Whether the arrays of both are of the same kinds; most of them are the same arrays."""
+    """True if the arrays of both are of the same kinds; most of them are the same arrays."""
     return len(asked) == len(before) and all(
         new is old or kinds_of(new) == kinds_of(old) for new, old in zip(asked, before, strict=True)
     )

@@ -1,4 +1,4 @@
-"""What observation encoders have in common: their interface, table, levels, and trails."""
+"""Interface and registry of observation encoders, levels, and trails."""
 
 from collections.abc import Callable
 from typing import Protocol, TypeAlias

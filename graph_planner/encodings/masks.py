@@ -1,4 +1,4 @@
-"""Which moves an agent may choose before anybody else has decided."""
+"""Masks of legal moves, before anybody else has decided."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,7 @@ def legal_end(
     move: int,
     energy: float,
 ) -> int:
-    """Where a move ends that is legal whatever the others choose; -1 if it is not.
+    """End of a move that is legal whatever the others choose; -1 if it is not.
 
     Parameters
     ----------
@@ -76,23 +76,11 @@ def _legal(
             out[e, a, STAY] |= not found
 
 
-def legal_moves(
-    task: Task, agent_node: Int32Array, energy_left: NDArray[np.float64]
-) -> NDArray[np.bool_]:
-    """(episode, agent, 9) moves that are legal whatever the others choose.
-
-    An agent without any has staying put marked: that is what the resolver makes it do.
-
-    Parameters
-    ----------
-    agent_node : (episode, agent)
-    energy_left : (episode, agent) distance that can still be travelled [node]
-    """
-    return LegalMoves(task)(agent_node, energy_left)
-
-
 class LegalMoves:
-    """`legal_moves` of one task, asked often, always with arrays of one layout."""
+    """Moves that are legal whatever the others choose, of one task.
+
+    Asked often, always with arrays of one layout.
+    """
 
     def __init__(self, task: Task) -> None:
         self._legal = BoundKernel(_legal, task.arrays)
@@ -100,7 +88,15 @@ class LegalMoves:
     def __call__(
         self, agent_node: Int32Array, energy_left: NDArray[np.float64]
     ) -> NDArray[np.bool_]:
-        """As `legal_moves`."""
+        """(episode, agent, 9) legal moves.
+
+        An agent without any has staying put marked: that is what the resolver makes it do.
+
+        Parameters
+        ----------
+        agent_node : (episode, agent)
+        energy_left : (episode, agent) distance that can still be travelled [node]
+        """
         out = np.empty((*agent_node.shape, 9), np.bool_)
         self._legal(agent_node, energy_left, out)
         return out

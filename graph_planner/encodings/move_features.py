@@ -1,4 +1,4 @@
-"""What each move of an agent would lead to: Greedy's terms and their longer-sighted relatives.
+"""Features of each move of an agent: Greedy's terms and their longer-sighted relatives.
 
 Features per move, values in [0, 1]: float32 in the environments, here uint8 levels of 1 / 255,
 rounded down. An illegal move is 0 throughout. Gains are "nearer is more": 128 / 255 (0.50) is no

@@ -1,4 +1,4 @@
-"""What all agents of a row share in the egocentric encoding: idleness, ways, what to see again."""
+"""Fields that all agents of a row share in the egocentric encoding: idleness, ways, stale nodes."""
 
 from typing import NamedTuple
 
@@ -36,7 +36,7 @@ IDLENESS, ITEMS, WAY, AGAIN = 0, 8, 16, 24  # where a node's levels stand in its
 
 
 class Fields(NamedTuple):
-    """What all agents of a row share; scratch memory, written for every row."""
+    """Fields that all agents of a row share; scratch memory, written for every row."""
 
     idle: NDArray[np.float64]  # (node,) idleness
     again: NDArray[np.float64]  # (place,) of `Nearby.nodes`: 0-1, the more the longer unseen
@@ -72,7 +72,7 @@ class Fields(NamedTuple):
 
 
 class Nearby(NamedTuple):
-    """Where items have been believed in the present episode of every row, and all around."""
+    """Nodes with items believed in the present episode of every row, and those around."""
 
     believed: NDArray[np.bool_]  # (row, node) an item was believed there once
     marked: NDArray[np.bool_]  # (row, node) or near it
@@ -141,16 +141,16 @@ def _look_again(
     idle: NDArray[np.float64],
     chart: Chart,
     fields: Fields,
-    globe: Levels,
+    global_map: Levels,
 ) -> int:
-    """What is to be looked at again of the nodes near items of before; how many nodes are due.
+    """Nodes near items of before that are to be looked at again; returns how many are due.
 
     Fills `again` and `due`, that level of each node, and channel 3 of the coarse map.
 
     Parameters
     ----------
     nodes : (place,) of `Nearby`. Sums go through them in this order, on which rounding depends
-    globe : (channel, COARSE^2)
+    global_map : (channel, COARSE^2)
     """
     again, due, levels, cell_again = fields.again, fields.due, fields.levels, fields.cell_again
     coarse, extent, wet = chart.coarse, chart.extent, chart.wet
@@ -164,11 +164,11 @@ def _look_again(
         due[n_due] = node
         n_due += again[i] >= DUE
     for cell in wet:
-        globe[3, cell] = 0
+        global_map[3, cell] = 0
     for node in nodes:
         cell = coarse[node]
         if cell_again[cell] > 0.0:
-            globe[3, cell] = np.uint8(TOP * min(1.0, cell_again[cell] / extent[cell]))
+            global_map[3, cell] = np.uint8(TOP * min(1.0, cell_again[cell] / extent[cell]))
             cell_again[cell] = 0.0
     return n_due
 
@@ -180,7 +180,7 @@ def _paint_coarse(
     chart: Chart,
     idle: NDArray[np.float64],
     cell_items: NDArray[np.int64],
-    globe: Levels,
+    global_map: Levels,
 ) -> None:
     """The whole map in COARSE x COARSE cells: the first three channels (channel, COARSE^2).
 
@@ -193,14 +193,14 @@ def _paint_coarse(
         total = 0.0
         for k in range(first, end):
             total += idle[np.uint64(nodes[np.uint64(k)])]
-        globe[0, cell] = water[i]
-        globe[1, cell] = np.uint8(TOP * min(1.0, total / (end - first)))
-        globe[2, cell] = 0
+        global_map[0, cell] = water[i]
+        global_map[1, cell] = np.uint8(TOP * min(1.0, total / (end - first)))
+        global_map[2, cell] = 0
     for node in known:
         cell_items[coarse[node]] = 0
     for node in known:
         cell_items[coarse[node]] += belief[node]
-        globe[2, coarse[node]] = item_level(cell_items[coarse[node]])
+        global_map[2, coarse[node]] = item_level(cell_items[coarse[node]])
 
 
 @inlined
@@ -213,13 +213,13 @@ def share_fields(
     ways: Ways,
     fields: Fields,
     distances: Distances,
-    globe: Levels,
+    global_map: Levels,
 ) -> int:
     """Fill the fields of row e, and its ways; the number of unseen nodes.
 
     Parameters
     ----------
-    globe : (channel, COARSE^2) whose first four channels are filled
+    global_map : (channel, COARSE^2) whose first four channels are filled
     """
     idle, levels, targets = fields.idle, fields.levels, fields.targets
     items, some_unseen, some_due = fields.some_items, fields.some_unseen, fields.some_due
@@ -230,8 +230,8 @@ def share_fields(
     _level(now, seen.last_seen[e], forgetting, ways.level[e], idle, levels)
     for node in known:
         levels[node] |= np.uint32(item_level(belief[node])) << ITEMS
-    _paint_coarse(known, belief, chart, idle, fields.cell_items, globe)
-    due = _look_again(nearby.nodes[e, : nearby.size[e]], idle, chart, fields, globe)
+    _paint_coarse(known, belief, chart, idle, fields.cell_items, global_map)
+    due = _look_again(nearby.nodes[e, : nearby.size[e]], idle, chart, fields, global_map)
     count, on_edge = list_nodes(
         idle, chart.place, chart.water_at, chart.node_at, chart.width, unseen
     )

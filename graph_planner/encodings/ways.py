@@ -1,4 +1,4 @@
-"""How far every node is from the nearest known item, found again only where others are known."""
+"""Distance of every node to the nearest known item, found again only where others are known."""
 
 from typing import NamedTuple
 
@@ -61,7 +61,7 @@ def _measure_ways(
 
 @kernel
 def _stand(known: Int32Array, before: Int32Array) -> bool:
-    """Whether both lists (place,) are the same."""
+    """True if both lists (place,) are the same."""
     same = True
     for i in range(known.size):
         same &= known[i] == before[i]

@@ -166,7 +166,7 @@ class DistanceRows(NamedTuple):
 
 @kernel
 def filled_row(rows: DistanceRows, neighbours: Int32Array, node: int, workspace: Workspace) -> int:
-    """Which row has the distances from a node, searched where they are not kept; asking for another
+    """Number of the row of distances from a node, searched where it is not kept; asking for another
     node may overwrite it.
     """
     number, missing = row_of(rows.kept, node)

@@ -55,7 +55,7 @@ def _neighbours(
 
 
 class Water(NamedTuple):
-    """Where water is, as kernels read it."""
+    """Water of a map, as kernels read it."""
 
     framed: Int32Array  # (row + 2, column + 2) node of each cell in a frame of land, -1 on land
     rows: Int32Array  # (node,)

@@ -1,4 +1,4 @@
-"""What becomes of an item that drifts onto land: it goes to the nearest node, and in its square to
+"""Boundary condition of items: one that drifts onto land goes to the nearest node, in its square to
 where `rules.walls` of the scenario puts it (scenario section 1).
 """
 

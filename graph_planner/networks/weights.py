@@ -37,7 +37,7 @@ _NOTE = "mjforage"  # the one entry of the safetensors metadata, as several have
 
 @dataclass(frozen=True)
 class WeightsHeader:
-    """What a file is for.
+    """Purpose of a weight file.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class WeightsHeader:
 
 
 def ground_note(task: Task) -> dict[str, Any]:
-    """What tells one map and its rules from others: a digest of the graph, and the move rules."""
+    """Identity of a map and its rules: a digest of the graph, and the move rules."""
     graph = task.graph
     found = hashlib.sha256(repr(graph.shape).encode())
     for array in (graph.rows, graph.cols, graph.neighbours):
@@ -121,12 +121,8 @@ def _parsed(text: Any) -> Any:
 
 
 def _notes(metadata: Any) -> dict[str, Any]:
-    """Safetensors metadata as `header_note` gave them; earlier files have an entry per note."""
-    if not isinstance(metadata, dict):
-        return {}
-    if _NOTE not in metadata:
-        return metadata | {"shapes": _parsed(metadata.get("shapes"))}
-    notes = _parsed(metadata[_NOTE])
+    """Safetensors metadata as `header_note` gave them."""
+    notes = _parsed(metadata.get(_NOTE)) if isinstance(metadata, dict) else None
     return notes if isinstance(notes, dict) else {}
 
 
@@ -160,14 +156,14 @@ def load_networks(path: Path, task: Task) -> "dict[str, MoveNetwork]":
     from mjforage.graph_planner.networks import q_network
 
     header = read_header(path)
-    _check_fit(path, header, task)
+    shapes = _check_fit(path, header, task)
     try:
         tensors = load_file(path)
     except SafetensorError as error:
         raise WeightsError(f"weights {path}: damaged ({error}); get the file again") from error
     held = {name.partition(".")[0] for name in tensors}
     made: type[MoveNetwork] = getattr(q_network, KINDS[header.format])
-    networks = {team: made(header.shapes) for team in TEAMS if team in held}
+    networks = {team: made(shapes) for team in TEAMS if team in held}
     for team, agents in zip(TEAMS, (task.fleet.discoverers, task.fleet.collectors), strict=True):
         if agents.size and team not in networks:
             raise WeightsError(
@@ -182,8 +178,8 @@ def load_networks(path: Path, task: Task) -> "dict[str, MoveNetwork]":
     return networks
 
 
-def _check_fit(path: Path, header: WeightsHeader, task: Task) -> None:
-    """Refuse weights that were made for something else."""
+def _check_fit(path: Path, header: WeightsHeader, task: Task) -> Shapes:
+    """Shapes in the encoder's order; weights that were made for something else are refused."""
     shapes = create_encoder(header.encoding, task).shapes
     if shapes != header.shapes:
         raise WeightsError(
@@ -198,6 +194,7 @@ def _check_fit(path: Path, header: WeightsHeader, task: Task) -> None:
                 f"{' and '.join(str(dict(ground)) for ground in header.grounds)}, but this "
                 f"scenario is {here}; use its own weights, or egocentric ones, which fit every map"
             )
+    return shapes
 
 
 def _check_tensors(

@@ -24,7 +24,7 @@ from mjforage.mission.task import TaskArrays
 FloatArray = NDArray[np.float64]
 
 BID_RULES = ("minisum", "minimax", "miniave")
-"""What a team saves: the sum of its paths, the longest, or the mean time until an item is met."""
+"""Objective of a team: the sum of its paths, the longest, or the mean time until an item is met."""
 
 MINISUM, MINIMAX, MINIAVE = 0, 1, 2
 UNSOLD = -1
@@ -40,7 +40,7 @@ class Bidders(NamedTuple):
 
 
 class Lots(NamedTuple):
-    """What is sold: nodes with known items."""
+    """Lots for sale: nodes with known items."""
 
     first: FloatArray  # (bidder, lot) way from each bidder [node]
     between: FloatArray  # (lot, lot) [node]

@@ -24,7 +24,7 @@ _STRIDE = 0.5  # of the decisions still missing are let pass at once: items drif
 
 
 class Sea(NamedTuple):
-    """What moves items and agents."""
+    """Drift of items, and ways of agents."""
 
     boundary: Boundary
     ways: tuple[Ways, ...]  # one per kind of forager

@@ -45,7 +45,7 @@ def routing_library() -> Library:
 
 
 def _parameters(library: Library, solutions: int) -> Any:
-    """How to search: from insertions downhill to a local optimum."""
+    """Search parameters: from insertions downhill to a local optimum."""
     found = library.solver.DefaultRoutingSearchParameters()
     strategies = library.enums.FirstSolutionStrategy
     found.first_solution_strategy = strategies.PARALLEL_CHEAPEST_INSERTION

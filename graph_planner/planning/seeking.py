@@ -21,7 +21,7 @@ TIE = 1e-7  # breaks ties at random: far below any real difference, far above ro
 
 @kernel
 def possible_targets(arrays: TaskArrays, agent_node: Int32Array, targets: Int32Array) -> None:
-    """Where each move of each agent would end, -1 where illegal.
+    """Ends of each move of each agent, -1 where illegal.
 
     Parameters
     ----------

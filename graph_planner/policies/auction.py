@@ -71,7 +71,7 @@ class Harbour(NamedTuple):
 
 @kernel
 def _lots_of(known: Int32Array, ways: FloatArray, most: int, key: np.uint64) -> NDArray[np.int64]:
-    """Which of the known nodes (known,) are sold: those nearest to any bidder.
+    """Known nodes (known,) for sale: those nearest to any bidder.
 
     Parameters
     ----------

@@ -28,14 +28,10 @@ if TYPE_CHECKING:
 
 @plays_weights
 class QPolicy:
-    """What a weight file's networks give for each move, as preferences: values, or logits.
+    """Preferences by the networks of a weight file: values, or logits.
 
-    Raises
-    ------
-    WeightsError
-        If the file is missing or of another kind; on `reset`, if it does not fit the task.
-    UserError
-        If torch is not installed.
+    Raises `WeightsError` if the file is missing or of another kind; on `reset`, if it does not fit
+    the task. Raises `UserError` if torch is not installed.
     """
 
     def __init__(self, path: Path) -> None:
@@ -80,10 +76,7 @@ class QPolicy:
 class ShippedPolicy(QPolicy):
     """A `QPolicy` with weights that ship.
 
-    Raises
-    ------
-    WeightsError
-        As `QPolicy`, and if the file holds networks of another algorithm.
+    Raises `WeightsError` as `QPolicy`, and if the file holds networks of another algorithm.
     """
 
     weights: ClassVar[str]  # name of the file in `models/weights`

@@ -25,7 +25,7 @@ _FULL = 1 << _FULL_BITS  # stands for idleness 1 among ages, which never add up 
 
 
 class Weights(NamedTuple):
-    """What a move earns by one of each; the defaults are the published ones."""
+    """Weights of a move's reward; the defaults are the published ones."""
 
     item: float = 5.91  # known item in the node
     idleness: float = 2.23  # node of idleness 1 in view

@@ -45,7 +45,7 @@ def lane_corners(graph: NavigationGraph, spacing: int) -> Int32Array:
 
 
 class Sweep(NamedTuple):
-    """Where each agent is in its share of the corners."""
+    """Position of each agent in its share of the corners."""
 
     corners: Int32Array  # (corner,) all agents' shares, one after the other
     share_start: NDArray[np.int64]  # (agent,)

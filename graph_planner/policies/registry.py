@@ -76,7 +76,7 @@ def policy_label(text: str) -> str:
 
 
 def policy_class(text: str) -> Callable[..., Policy]:
-    """What makes a policy; raises as `create_policy`."""
+    """Class or factory of a policy; raises as `create_policy`."""
     return _bound(text)[1]
 
 
@@ -125,7 +125,7 @@ def outside_class(text: str) -> str:
 
 
 def has_policy(text: str) -> bool:
-    """Whether a policy's name, without its options, is registered or installed."""
+    """True if a policy's name, without its options, is registered or installed."""
     return POLICIES.has(parse_reference(text, "policy").name)
 
 
@@ -142,7 +142,7 @@ def check_policy_trusted(text: str, where: str, reference: str = "") -> None:
 
 
 def policy_import_spec(text: str) -> ImportSpec | None:
-    """Where another process finds a policy; None for one of ours.
+    """Place where another process finds a policy; None for one of ours.
 
     Raises `UserError` if another process cannot.
     """

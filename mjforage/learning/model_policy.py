@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
-from mjforage.graph_planner.encodings import create_encoder, encoder_class, legal_moves
+from mjforage.graph_planner.encodings import LegalMoves, create_encoder, encoder_class
 from mjforage.graph_planner.encodings.masks import legal_of_agent
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.networks.inference import BLOCK, one_thread
@@ -165,7 +165,7 @@ def _in_turn(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Array
 
 
 def _masks(policy: ModelPolicy, seen: Observation, rows: Rows) -> NDArray[np.int8]:
-    legal = legal_moves(policy.task, seen.agent_node[rows], seen.energy_left[rows])
+    legal = LegalMoves(policy.task)(seen.agent_node[rows], seen.energy_left[rows])
     return legal.astype(np.int8)
 
 

@@ -66,7 +66,7 @@ def truth_of(task: Task, observation: Observation) -> GroundTruth:
 
 
 def preferences(name: str, task: Task, observation: Observation) -> NDArray[np.float64]:
-    """What a fresh policy prefers."""
+    """Preferences of a fresh policy."""
     policy = create_policy(name)
     policy.reset(task, observation.keys)
     if isinstance(policy, UpperBound):

@@ -1,4 +1,4 @@
-"""What a user hands to an environment, checked before anything is played."""
+"""Checks of a user's actions, seeds and options, before anything is played."""
 
 import reprlib
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ MOVES = 9
 
 @kernel
 def _are_moves(numbers: NDArray[np.int64]) -> bool:
-    """Whether all of some numbers (number,) are those of moves."""
+    """True if all of some numbers (number,) are those of moves."""
     are = True
     for number in numbers:
         are &= 0 <= number < MOVES
@@ -75,7 +75,7 @@ def checked_seed(seed: object, name: str = "seed") -> int | None:
 
 
 def checked_options(options: object, known: tuple[str, ...] = ()) -> Mapping[str, Any]:
-    """What `reset` was told beside its seed.
+    """Options of `reset`.
 
     Raises `UserError` if it is no mapping, or has a key that is not known.
     """

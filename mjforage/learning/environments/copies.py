@@ -42,7 +42,7 @@ def _again(content: bytes, *buffers: Any) -> Any:
 
 
 class _Memory:
-    """What an array owns that is not as numpy would make it again."""
+    """Memory of an array that numpy would not make again as it is."""
 
     def __init__(self, root: NDArray[Any]) -> None:
         self.root = root  # kept, or another one could get its address
@@ -86,7 +86,7 @@ class _Pickler(pickle.Pickler):
         self._first, self._memories = first, dict[int, _Memory]()
 
     def reducer_override(self, obj: Any) -> Any:
-        """How to make an object again; `NotImplemented` for the usual way."""
+        """Recipe to make an object again; `NotImplemented` for the usual way."""
         if obj is self._first:
             return object.__reduce_ex__(obj, PROTOCOL)
         if type(obj) is np.ndarray and not obj.dtype.hasobject:

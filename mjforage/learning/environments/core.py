@@ -23,7 +23,7 @@ CHOSEN, OTHERWISE_STAY = 2.0, 1.0  # preferences of a chosen move, and of what h
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one step gave."""
+    """Result of one step."""
 
     terms: dict[str, NDArray[np.float64]]  # name -> (env, agent) weighted
     rewards: NDArray[np.float64]  # (env, agent) their sum

@@ -1,4 +1,4 @@
-"""What `render` draws: the map from above, like the films of `mjforage render`, or hulls in 3-D.
+"""Figures of `render`: the map from above, as in films of `mjforage render`, or hulls in 3-D.
 
 It shows the truth: items that no agent has discovered are there too, small and dim.
 """
@@ -106,7 +106,7 @@ class EpisodeFigure:
         }
 
     def _track(self, core: EnvironmentCore) -> dict[str, Any]:
-        """What the core has recorded; a frame for each step where it does not."""
+        """The core's recorded track; a frame for each step where it records none."""
         trajectory, items, frames = core.trajectory, self._items, self._step + 1
         if trajectory is None:
             rc = core.mission.state.item_rc[self._env, items]

@@ -23,8 +23,8 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Arrays, NDArray[np.int64]]):
 
     | kind | array | shape per agent | dtype | range | entries |
     |---|---|---|---|---|---|
-    | egocentric | `crop` | (8, 15, 15) | float32 | [0, 1] | table of `Egocentric` |
-    | | `globe` | (7, 16, 16) | float32 | [0, 1] | likewise |
+    | egocentric | `local_map` | (8, 15, 15) | float32 | [0, 1] | table of `Egocentric` |
+    | | `global_map` | (7, 16, 16) | float32 | [0, 1] | likewise |
     | | `moves` | (9, 11) | float32 | [0, 1] | table of the module `moves` |
     | | `own` | (12,) | float32 | [0, 1] | table of `Egocentric` |
     | paper | `map` | (6, rows, columns) | float32 | [0, 1] | table of `PaperChannels` |

@@ -1,4 +1,4 @@
-"""What every foraging environment can be told when it is made."""
+"""Options of every foraging environment."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields

@@ -100,7 +100,7 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Arrays, int]):  # 
         return observations, rewards, terminated, truncated, infos
 
     def state(self) -> StateArray:
-        """What the fleet knows together, and the truth: (channel, row, column), see `state_of`."""
+        """Pooled map of the fleet, and the truth: (channel, row, column), see `state_of`."""
         checked_started(self._core.started, "state")
         return state_of(self._core.mission)
 

@@ -1,4 +1,4 @@
-"""What `render` gives and shows, for every environment of one picture."""
+"""Rendering for every environment of one picture: arrays, or a window."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""What the environments of one episode at a time share: the core, its episodes, its picture."""
+"""Base of the environments of one episode at a time: the core, its episodes, its figure."""
 
 from typing import Any, ClassVar
 

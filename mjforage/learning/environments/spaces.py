@@ -13,7 +13,7 @@ Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 MASK = "action_mask"
 DTYPES = ("float32", "uint8")
-"""What arrays of an observation can be of: values in [0, 1], or levels of 1 / 255."""
+"""Types of an observation's arrays: values in [0, 1], or levels of 1 / 255."""
 _SCALE = np.float32(1.0 / TOP)
 
 

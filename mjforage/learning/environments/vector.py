@@ -258,7 +258,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
 
 
 def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    """What each core has, one after the other; that of a single core as it is."""
+    """Arrays of all cores, one after the other; that of a single core as it is."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 

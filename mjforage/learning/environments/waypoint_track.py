@@ -68,7 +68,7 @@ class WaypointTrack:
 
     @property
     def over(self) -> bool:
-        """Whether all waypoints have been reached."""
+        """True if all waypoints have been reached."""
         return self.reached == len(self.waypoints)
 
     def tick(self, port: float, starboard: float) -> tuple[float, bool]:

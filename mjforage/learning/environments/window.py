@@ -15,7 +15,7 @@ from mjforage.base.errors import UserError
 
 
 def why_no_window() -> str:
-    """What a window lacks here, in words; nothing where one can be tried."""
+    """Reason why no window can be opened here; empty where one can be tried."""
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
         return "there is no display"
     if find_spec("_tkinter") is None:

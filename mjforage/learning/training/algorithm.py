@@ -1,4 +1,4 @@
-"""What every training algorithm shares: scenarios in turn, held-out evaluations, weights, state.
+"""Base of every training algorithm: scenarios in turn, held-out evaluations, weights, state.
 
 An algorithm is a subclass of `Algorithm` with `settings`, `networks`, `play_round`, `tensors` and
 `restore`; run, folder, logs, checkpoints, evaluations and the command line are the same for all.
@@ -244,7 +244,7 @@ class Algorithm(Generic[Settings]):
         return row
 
     def come(self, *names: str) -> Row:
-        """How far the run has come, by the names of `Progress`."""
+        """Counters of the run, by the names of `Progress`."""
         return {name: float(getattr(self.progress, name)) for name in names}
 
     def book_time(self) -> None:

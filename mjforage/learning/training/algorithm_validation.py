@@ -68,7 +68,7 @@ def _tell_of_other_networks(trainer: "Algorithm[Any]") -> None:
 
 
 def checked_row(trainer: "Algorithm[Any]", row: Any) -> Row:
-    """What `play_round` gave, if it is such a row.
+    """The row that `play_round` gave, if it is valid.
 
     Raises `UserError` if it is none: nothing, without what `end_round` gives or with other counts,
     or with what is no number.

@@ -13,7 +13,7 @@ ALGORITHMS: Registry[type[Algorithm[Any]]] = Registry("algorithm", "mjforage.alg
 """Subclasses of `Algorithm`; installed packages bring theirs by entry points."""
 
 TO_WRITE = ("networks", "play_round", "tensors", "restore")
-"""What a subclass of `Algorithm` brings."""
+"""Methods that a subclass of `Algorithm` brings."""
 
 ALGORITHMS.register("ddqn")(Trainer)
 ALGORITHMS.register("mappo")(MappoTrainer)

@@ -28,7 +28,7 @@ REMEDY = "remove it or give another --out"
 
 @dataclass(frozen=True)
 class _Notes:
-    """What stands in the header of a checkpoint."""
+    """Header of a checkpoint."""
 
     format: str
     identity: Mapping[str, Any]
@@ -37,7 +37,7 @@ class _Notes:
 
 
 def identity(trainer: Algorithm[Any]) -> dict[str, Any]:
-    """What two runs must share for one to go on where the other stopped."""
+    """Facts that two runs must share for one to go on where the other stopped."""
     first, *others = (task.scenario for task in trainer.tasks)
     made, judged = type(trainer), trainer.evaluation.scenarios
     return {

@@ -55,7 +55,7 @@ class Evaluation:
             )
 
     def examples(self) -> list[EnvironmentOptions]:
-        """What each scenario is played with, on the ends of its maps."""
+        """Options of each scenario, on the ends of its maps."""
         played = [each for one in self.scenarios for each in ends(scenarios_of(one))]
         return [self._make(each) for each in played]
 

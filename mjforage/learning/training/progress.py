@@ -1,4 +1,4 @@
-"""How far a training run has come, and what the time of its rounds went into."""
+"""Progress of a training run, and CPU time of its rounds by part."""
 
 import time
 from collections.abc import Callable
@@ -15,7 +15,7 @@ Row = dict[str, float]
 
 @dataclass
 class Progress:
-    """How far a run has come."""
+    """Counters of a run."""
 
     __pydantic_config__ = OPEN | {"allow_inf_nan": True}  # `best` before an evaluation
 

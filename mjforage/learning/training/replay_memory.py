@@ -16,7 +16,7 @@ from mjforage.base.compiled import kernel
 from mjforage.graph_planner.encodings import Shapes
 
 NOTHING, PLAYED, LAST, FINAL = 0, 1, 2, 3
-"""What a row is: empty; a decision; the decision that ends the task, with nothing after it to hope
+"""Kinds of rows: empty; a decision; the decision that ends the task, with nothing after it to hope
 for; the picture after a stream's last decision."""
 LEAST = 1e-2  # added to errors, so that no decision is forgotten
 
@@ -129,7 +129,7 @@ class ReplayMemory:
         return int((self.tree[self.tree.size // 2 :] > 0).sum())
 
     def warm(self, rows: int) -> bool:
-        """Whether so many rows can be drawn, or as many as there is room for."""
+        """True if so many rows can be drawn, or as many as there is room for."""
         return len(self) >= max(1, rows) or self.written > self.blocks
 
     def _block(self, number: int) -> slice:

@@ -16,7 +16,7 @@ _Kind = TypeVar("_Kind", bound=np.generic)
 
 
 class Played(NamedTuple):
-    """What one step gave."""
+    """Result of one step."""
 
     taken: NDArray[np.int8]  # (env, agent) moves that were made
     rewards: NDArray[np.float64]  # (env, agent)
@@ -104,7 +104,7 @@ class Round:
 
     @property
     def has_teacher(self) -> bool:
-        """Whether a policy has been got ready to show moves in these episodes."""
+        """True if a policy has been got ready to show moves in these episodes."""
         return bool(self._teachers)
 
     def demonstrated(self) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

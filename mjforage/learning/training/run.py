@@ -64,7 +64,7 @@ Made = TypeVar("Made", bound=Algorithm[Any])
 
 
 class RunOptions(TypedDict, total=False):
-    """How a run goes on, see `train_with`."""
+    """Options of a run, see `train_with`."""
 
     also: Sequence[Scenario]
     evaluate: Sequence[Scenario]

@@ -77,7 +77,7 @@ def ends(scenarios: list[Scenario]) -> list[Scenario]:
 
 
 def training_task_of(scenario: Scenario, make: Make) -> TrainingTask | TaskFamily:
-    """What rounds of a scenario are played on: its map, or its family of harbours in turn.
+    """Task of the rounds of a scenario: its map, or its family of harbours in turn.
 
     Raises `UserError` as `TrainingTask` and `TaskFamily`.
     """

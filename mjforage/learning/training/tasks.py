@@ -83,7 +83,7 @@ class TrainingTask:
 
     @property
     def notes(self) -> list[dict[str, Any]]:
-        """What tells the maps and rules that are played on from others, each once."""
+        """Identities of the maps and rules that are played on, each once."""
         notes = [ground_note(each.setup.task) for each in self.options]
         return [note for i, note in enumerate(notes) if note not in notes[:i]]
 

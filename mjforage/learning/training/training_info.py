@@ -1,4 +1,4 @@
-"""What `training.json` says of a training folder."""
+"""Content of `training.json`, the record of a training folder."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

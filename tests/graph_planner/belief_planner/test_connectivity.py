@@ -45,7 +45,7 @@ def connectivity_of(**settings: Any) -> Connectivity:
 
 
 def is_at(node: int, row: int, col: int) -> bool:
-    """Whether a node is a cell or one beside it: some scouts cannot end a move in every cell."""
+    """True if a node is a cell or one beside it: some scouts cannot end a move in every cell."""
     return max(abs(int(SEA.rows[node]) - row), abs(int(SEA.cols[node]) - col)) <= 1
 
 

@@ -1,4 +1,4 @@
-"""Who can still collect, and for how long."""
+"""Collectors that can still collect, and for how long."""
 
 from dataclasses import replace
 

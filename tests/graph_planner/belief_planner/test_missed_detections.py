@@ -1,4 +1,4 @@
-"""What views may have missed or invented, by hand."""
+"""Missed detections and false positives, by hand."""
 
 import numpy as np
 import pytest

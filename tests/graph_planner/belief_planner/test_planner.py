@@ -74,7 +74,7 @@ def test_a_late_or_blocked_move_does_not_confuse_it() -> None:
 
 
 class Watch:
-    """What the planner makes of views: everything within `reach` of the middle, and items there."""
+    """The planner given views: everything within `reach` of the middle, and items there."""
 
     def __init__(
         self, scout_at: tuple[int, int] = (0, 0), prior: Prior = PRIOR, **parts: bool

@@ -1,4 +1,4 @@
-"""Who is told the truth: of items that looks it has heard have shown, and of nothing else."""
+"""Privileged beliefs: the truth of items that received looks have shown, and of nothing else."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ def truth_of(*places: tuple[float, float], gone: tuple[int, ...] = ()) -> Ground
 
 
 def seen_at(step: int, shows: dict[tuple[int, int], int]) -> Observation:
-    """What is known after a look of the scout at a step, at which only these nodes are in view."""
+    """Beliefs after a look of the scout at a step, at which only these nodes are in view."""
     last_seen = np.full(len(SEA), -1, np.int16)
     for cell in shows:
         last_seen[SEA.node_of_cell[cell]] = step

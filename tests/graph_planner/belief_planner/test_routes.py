@@ -152,7 +152,7 @@ class Route:
     cost: float
 
     def twin(self, kind: NDArray[np.int64]) -> Twin:
-        """What two routes have alike when one of them is enough."""
+        """Key of routes of which one is enough."""
         held = [
             (j, int(kind[f])) for f, j in enumerate(self.at) if j >= 0 and f not in self.retired
         ]

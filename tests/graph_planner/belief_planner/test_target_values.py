@@ -1,4 +1,4 @@
-"""What is wanted, against the same in numpy."""
+"""Target values against the same in numpy."""
 
 import numpy as np
 import pytest

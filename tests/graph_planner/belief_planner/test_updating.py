@@ -1,4 +1,4 @@
-"""What foragers did in the step just made, as the beliefs take it in."""
+"""Actions of foragers in the step just made, as the beliefs take them in."""
 
 from dataclasses import replace
 

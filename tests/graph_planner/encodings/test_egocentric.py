@@ -40,39 +40,39 @@ def look(
     }
 
 
-def test_the_crop_is_the_map_around_the_agent() -> None:
+def test_the_local_map_is_the_map_around_the_agent() -> None:
     graph, task = harbour()
     known = {(2, 2): 2, (4, 9): 1}
-    crop = look(task, [(2, 4), (0, 0), (4, 1)], known)["crop"][0]
+    local_map = look(task, [(2, 4), (0, 0), (4, 1)], known)["local_map"][0]
     for i in range(15):
         for j in range(15):
             row, col = 2 + i - REACH, 4 + j - REACH
             inside = 0 <= row < 5 and 0 <= col < 10
             wet = inside and bool(HARBOUR[row, col])
-            assert (crop[0, i, j] == 255) == wet
+            assert (local_map[0, i, j] == 255) == wet
             if not wet:
-                assert not crop[1:4, i, j].any()
+                assert not local_map[1:4, i, j].any()
                 continue
             node = graph.node_of_cell[row, col]
             way = min(graph.distances[node, graph.node_of_cell[rc]] for rc in known)
-            assert crop[1, i, j] == 255  # never seen
-            assert crop[2, i, j] == 255 * known.get((row, col), 0) // 10
-            assert crop[3, i, j] == int(255 - 2 * way)
-    assert np.argwhere(crop[5]).tolist() == []  # no other scout
-    assert np.argwhere(crop[6]).tolist() == [[REACH - 2, REACH - 4], [REACH + 2, REACH - 3]]
-    assert np.argwhere(crop[7]).tolist() == [[REACH, REACH]]
+            assert local_map[1, i, j] == 255  # never seen
+            assert local_map[2, i, j] == 255 * known.get((row, col), 0) // 10
+            assert local_map[3, i, j] == int(255 - 2 * way)
+    assert np.argwhere(local_map[5]).tolist() == []  # no other scout
+    assert np.argwhere(local_map[6]).tolist() == [[REACH - 2, REACH - 4], [REACH + 2, REACH - 3]]
+    assert np.argwhere(local_map[7]).tolist() == [[REACH, REACH]]
 
 
-def test_the_globe_counts_every_cell_once() -> None:
+def test_the_global_map_counts_every_cell_once() -> None:
     _, task = harbour()
-    globe = look(task, [(2, 4), (0, 0), (4, 1)], {(2, 2): 2})["globe"]
-    assert globe.shape == (3, 7, COARSE, COARSE)
+    global_map = look(task, [(2, 4), (0, 0), (4, 1)], {(2, 2): 2})["global_map"]
+    assert global_map.shape == (3, 7, COARSE, COARSE)
     cells = 5 * 10
-    assert (globe[0, 0] == 255).sum() == HARBOUR.sum() < cells  # smaller than the coarse grid
-    assert (globe[0, 2] > 0).sum() == 1
-    assert globe[:, 4].reshape(3, -1).astype(bool).sum(axis=1).tolist() == [1, 1, 1]
-    assert (globe[0, 6] > 0).sum() == 2
-    assert (globe[1, 6] > 0).sum() == 1
+    assert (global_map[0, 0] == 255).sum() == HARBOUR.sum() < cells  # smaller than the coarse grid
+    assert (global_map[0, 2] > 0).sum() == 1
+    assert global_map[:, 4].reshape(3, -1).astype(bool).sum(axis=1).tolist() == [1, 1, 1]
+    assert (global_map[0, 6] > 0).sum() == 2
+    assert (global_map[1, 6] > 0).sum() == 1
 
 
 def test_features_of_moves_by_their_definitions() -> None:
@@ -167,10 +167,11 @@ def test_the_trail_fades_by_a_tenth_per_step() -> None:
     view.reset(1)
     for step in range(1, 13):
         cells = [(0, 9 + step), (2, 20 - step)]
-        crop = view.see(observation_of(task, cells, step=step), ROW)["crop"][0, :, 7, REACH]
+        seen = observation_of(task, cells, step=step)
+        trail = view.see(seen, ROW)["local_map"][0, :, 7, REACH]
     fading = [255 * (10 - k) // 10 for k in range(8)]
-    assert crop[0].tolist() == [*fading[::-1], *[0] * 7]
-    assert crop[1].tolist() == [*[0] * 7, *fading]
+    assert trail[0].tolist() == [*fading[::-1], *[0] * 7]
+    assert trail[1].tolist() == [*[0] * 7, *fading]
 
 
 def test_the_agent_knows_what_it_has_left_and_who_is_with_it() -> None:
@@ -200,11 +201,11 @@ def test_the_agent_knows_what_it_has_left_and_who_is_with_it() -> None:
     assert moves[1, 2, 1] == 0 and moves[0, 2, 1] == 25  # two nodes east there is an item
     near = task.views.of(graph.node_of_cell[4, 3], int(task.radius_number[1]))
     assert nodes > here and moves[1, 2, 3] == int(255 * idle[near].sum() / 5)  # a disc of five
-    globe = levels["globe"][0]
-    assert sorted(globe[0, 2][globe[0, 2] > 0]) == [25, 255]
-    assert [globe[a, 5].astype(bool).sum() for a in range(3)] == [0, 1, 1]
-    assert [globe[a, 6].astype(bool).sum() for a in range(3)] == [2, 1, 1]
-    assert globe[0, 1, 0, 0] == 255 and globe[0, 1].max() == 255
+    global_map = levels["global_map"][0]
+    assert sorted(global_map[0, 2][global_map[0, 2] > 0]) == [25, 255]
+    assert [global_map[a, 5].astype(bool).sum() for a in range(3)] == [0, 1, 1]
+    assert [global_map[a, 6].astype(bool).sum() for a in range(3)] == [2, 1, 1]
+    assert global_map[0, 1, 0, 0] == 255 and global_map[0, 1].max() == 255
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -237,7 +238,8 @@ def test_nodes_to_look_at_again_are_where_items_were_and_nobody_has_looked_since
     marked = view._memory.nearby.marked[0]
     assert marked[node["near"]] and not marked[node["far"]]
     assert not marked[graph.node_of_cell[2, 2]]  # the pier hides it
-    crop = view.see(observation_of(task, [(0, 3), *cells[1:]], {}, last_seen, step=62), ROW)["crop"]
-    assert crop[0, 0, 4, REACH, REACH - 2] == 255  # idle for longer than a quarter of 0.9 T
-    assert crop[0, 0, 4, REACH, REACH - 1] == int(255 * 4 * 31 / 135)
+    seen = observation_of(task, [(0, 3), *cells[1:]], {}, last_seen, step=62)
+    local_map = view.see(seen, ROW)["local_map"]
+    assert local_map[0, 0, 4, REACH, REACH - 2] == 255  # idle for longer than a quarter of 0.9 T
+    assert local_map[0, 0, 4, REACH, REACH - 1] == int(255 * 4 * 31 / 135)
     assert moves[6, 0] == 255 and moves[6, 9] > 128  # west leads nearer to it

@@ -1,6 +1,6 @@
 import numpy as np
 
-from mjforage.graph_planner.encodings import legal_moves
+from mjforage.graph_planner.encodings import LegalMoves
 from mjforage.graph_planner.graph.navigation import STAY, navigation_graph
 from mjforage.mission.moves import MoveRules
 from mjforage.scenario.fleet import Role
@@ -12,7 +12,7 @@ def mask(rules: MoveRules, energy: float, moves: int = 1, *rows: str) -> list[in
     graph = navigation_graph(grid(*rows), 1.0, True)
     task = task_of(graph, rules, scouts=Role(1, moves, 1.0, False))
     return np.flatnonzero(
-        legal_moves(task, np.zeros((1, 1), np.int32), np.full((1, 1), energy))[0, 0]
+        LegalMoves(task)(np.zeros((1, 1), np.int32), np.full((1, 1), energy))[0, 0]
     ).tolist()
 
 
@@ -31,6 +31,6 @@ def test_each_agent_of_each_episode_has_its_own_mask() -> None:
     scout, forager = Role(1, 2, 1.0, False), Role(1, 1, 1.0, True)
     task = task_of(graph, MoveRules(True, False), scouts=scout, foragers=forager)
     nodes, energy = np.array([[0, 0], [1, 2]], np.int32), np.array([[9.0, 0.5], [9.0, 9.0]])
-    mask = legal_moves(task, nodes, energy)
+    mask = LegalMoves(task)(nodes, energy)
     found = [[np.flatnonzero(mask[e, a]).tolist() for a in (0, 1)] for e in (0, 1)]
     assert found == [[[2, STAY], [STAY]], [[STAY], [6, STAY]]]

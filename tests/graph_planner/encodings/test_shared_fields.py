@@ -1,4 +1,4 @@
-"""What agents share in the egocentric encoding, against plain numpy over random states."""
+"""Shared fields of the egocentric encoding, against plain numpy over random states."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mjforage.graph_planner.encodings.chart import Chart
 from mjforage.graph_planner.encodings.egocentric import Egocentric
-from mjforage.graph_planner.encodings.masks import legal_moves, legal_of_agent
+from mjforage.graph_planner.encodings.masks import LegalMoves, legal_of_agent
 from mjforage.graph_planner.encodings.move_features import MIDDLE
 from mjforage.graph_planner.encodings.samples import (
     MOST_SAMPLES,
@@ -148,21 +148,21 @@ def test_the_coarse_map_is_the_mean_of_its_cells() -> None:
     first = {name: levels.copy() for name, levels in view.see(seen, ROW).items()}
     for name, levels in view.see(seen, ROW).items():
         np.testing.assert_array_equal(levels, first[name])
-    globe = first["globe"][0].reshape(4, 7, -1)
+    global_map = first["global_map"][0].reshape(4, 7, -1)
     cell = (large.rows * 16 // 40) * 16 + large.cols * 16 // 33
     idle = np.minimum(1.0, (60 - last_seen.astype(float)) / 135.0)
     items = np.bincount(cell, seen.belief[0], 256)
     for a in range(4):
-        assert (globe[a, 0] == 255).all()
+        assert (global_map[a, 0] == 255).all()
         mean = np.bincount(cell, idle) / np.bincount(cell)
-        np.testing.assert_allclose(globe[a, 1], 255 * mean, atol=1.0)
-        assert globe[a, 2].tolist() == (np.minimum(items, 10) * 255 // 10).tolist()
+        np.testing.assert_allclose(global_map[a, 1], 255 * mean, atol=1.0)
+        assert global_map[a, 2].tolist() == (np.minimum(items, 10) * 255 // 10).tolist()
         for kind, who in ((4, {a}), (5, {0, 1} - {a}), (6, {2, 3} - {a})):
             cells = sorted(cell[seen.agent_node[0, b]] for b in who)
-            assert np.flatnonzero(globe[a, kind]).tolist() == cells
+            assert np.flatnonzero(global_map[a, kind]).tolist() == cells
         near = view._memory.nearby.marked[0]
         again = np.bincount(cell, np.minimum(1.0, 4 * idle) * near) / np.bincount(cell)
-        np.testing.assert_allclose(globe[a, 3], 255 * again, atol=1.0)
+        np.testing.assert_allclose(global_map[a, 3], 255 * again, atol=1.0)
 
 
 def test_nodes_near_items_of_before_are_due_once_they_are_idle() -> None:
@@ -198,7 +198,7 @@ def test_masks_of_a_batch_are_those_of_each_agent(seed: int, stay: bool, shorten
     task = task_of(GRAPH, MoveRules(stay, shorten), scouts=Role(2, 3, 4.0, False))
     nodes = random.integers(0, NODES, (3, 2)).astype(np.int32)
     energy = random.choice([0.0, 1.0, 1.2, 2.5, 3.0, np.inf], (3, 2))
-    found, nobody = legal_moves(task, nodes, energy), np.empty(0, np.int64)
+    found, nobody = LegalMoves(task)(nodes, energy), np.empty(0, np.int64)
     for e in range(3):
         for a in range(2):
             one = legal_of_agent(task.arrays, nobody, -1, a, nodes[e, a], energy[e, a])

@@ -44,7 +44,7 @@ def chosen(name: str, task: Task, seen: Observation) -> list[int]:
 
 
 def walked(policy: Policy, task: Task, seen: Observation, steps: int) -> list[Cell]:
-    """Where the agents of one row are after some decisions in which nothing new is seen."""
+    """Nodes of the agents of one row after some decisions in which nothing new is seen."""
     graph = task.graph
     for _ in range(steps):
         for agent, move in enumerate(policy.act(seen)[0].argmax(axis=1)):

@@ -40,7 +40,7 @@ def chosen(task: Task, seen: Observation, policy: str = "auction") -> list[int]:
 
 
 def after(task: Task, seen: Observation, steps: int, policy: str = "auction") -> list[Cell]:
-    """Where the agents of one row are after some decisions in which nothing new is seen."""
+    """Nodes of the agents of one row after some decisions in which nothing new is seen."""
     made, graph = create_policy(policy), task.graph
     made.reset(task, seen.keys)
     for _ in range(steps):
@@ -55,7 +55,7 @@ def after(task: Task, seen: Observation, steps: int, policy: str = "auction") ->
 def tours(
     rule: str, ways: NDArray[np.float64], bidders: int, room: int = 99, energy: float = np.inf
 ) -> list[list[int]]:
-    """What `sell_items` sells, ways being (place, place) with the bidders' places first."""
+    """Sales of `sell_items`, ways being (place, place) with the bidders' places first."""
     lots = ways.shape[0] - bidders
     sold, size = np.zeros((bidders, lots), np.int32), np.zeros(bidders, np.int32)
     ones = np.ones(lots, np.int64)

@@ -27,7 +27,7 @@ ENCODER = '''import numpy as np
 
 
 class Clock:
-    """How many steps are left, and whose row it is."""
+    """Steps that are left."""
 
     def __init__(self, task, bins: int = 4) -> None:
         if bins < 0:

@@ -13,7 +13,7 @@ from mjforage.learning.environments.rewards.term import Amounts, Step
 def _count(
     agent: NDArray[np.int16], when: NDArray[np.int16], step: Int32Array, agents: int
 ) -> Amounts:
-    """How many items each agent (episode, agent) is given now, in this step (episode,).
+    """Number of items that each agent (episode, agent) is given in this step (episode,).
 
     Parameters
     ----------

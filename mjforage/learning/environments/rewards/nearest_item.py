@@ -38,7 +38,7 @@ def _nearest_known(
 
 
 class _ToNearest:
-    """What both terms measure."""
+    """Distance that both terms measure."""
 
     def __init__(self) -> None:
         self._nearest_known = BoundKernel(_nearest_known)

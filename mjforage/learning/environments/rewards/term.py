@@ -14,7 +14,7 @@ Amounts = NDArray[np.float64]  # (episode, agent)
 
 
 class Before(NamedTuple):
-    """What a reward compares the new state with; read-only."""
+    """State before a step, with which a reward compares the new one; read-only."""
 
     belief: NDArray[np.int16]  # (episode, node)
     last_seen: NDArray[np.int16]  # (episode, node)

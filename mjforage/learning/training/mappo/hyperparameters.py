@@ -33,11 +33,11 @@ class MappoHyperparameters(CommonHyperparameters):
     gain: Annotated[float, Within(1e-6, 100)] = 1.0
     """Of the actors' last layer at first; Yu has 0.01."""
     epochs: Annotated[int, Within(1, 100)] = 4
-    """How often a round's decisions are learnt from; Yu has 5 to 15, fewer for harder tasks."""
+    """Passes over a round's decisions; Yu has 5 to 15, fewer for harder tasks."""
     batch: Annotated[int, Within(1, 1_000_000)] = 256
     """Steps of an update, each with all agents; Yu takes whole rounds or halves."""
     clip: Annotated[float, Within(0, 1), source("Yu")] = 0.2
-    """How far an update may move the ratio of probabilities, and the normalised value."""
+    """Limit of an update's change of the ratio of probabilities, and of the normalised value."""
     entropy_from: Annotated[float, Within(0, 1), source("Yu")] = 0.01
     """Weight of the policy's entropy at first."""
     entropy_to: Annotated[float, Within(0, 1)] = 0.001

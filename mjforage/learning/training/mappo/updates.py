@@ -1,4 +1,4 @@
-"""What TorchRL does: advantages (GAE), the clipped loss with its value norm, the optimiser's steps.
+"""Updates by TorchRL: advantages (GAE), the clipped loss with its value norm, optimiser steps.
 
 Yu et al. (2022); Schulman et al. (2016, 2017). Needs TorchRL, an extra, imported only here.
 """
@@ -145,7 +145,7 @@ class Updates:
         return found
 
     def _data(self, round: Decisions) -> TensorDict:
-        """What the loss reads."""
+        """Input of the loss."""
         advantage, target = advantages(round, self.settings.gamma, self.settings.gae)
         columns: dict[str, Any] = {
             **{name: torch.from_numpy(level) for name, level in round.levels.items()},

@@ -1,4 +1,4 @@
-"""What a user of Python hands over: maps, scenarios and overrides as objects; all else is named."""
+"""Arguments of environments: maps, scenarios and overrides as objects; all else is named."""
 
 import re
 import shutil

@@ -51,7 +51,7 @@ HOW: dict[str, Callable[[Any], Any]] = {
 
 
 def flat(value: Any) -> Any:
-    """What was given, to be compared to the bit."""
+    """A value, to be compared to the bit."""
     if isinstance(value, dict):
         return {key: flat(one) for key, one in value.items()}
     if isinstance(value, list | tuple):

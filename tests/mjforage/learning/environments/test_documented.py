@@ -8,7 +8,7 @@ import gymnasium
 
 PAGE = Path(__file__).parents[4] / "docs" / "learning.md"
 ROW = re.compile(r"^\|(?P<array>[^|]*)\| *(?P<entries>\d[\d, ]*)\|", re.MULTILINE)
-ENTRIES_ON_AXIS = {"map": 0, "crop": 0, "globe": 0, "moves": 1, "own": 0}
+ENTRIES_ON_AXIS = {"map": 0, "local_map": 0, "global_map": 0, "moves": 1, "own": 0}
 
 
 def shared(kind: str, **options: Any) -> gymnasium.Env[Any, Any]:

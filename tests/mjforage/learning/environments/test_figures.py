@@ -1,4 +1,4 @@
-"""What `render` draws of a foraging environment, and how little it does for a frame."""
+"""Figures of `render`, and the little work for a frame."""
 
 import copy
 from dataclasses import fields, replace

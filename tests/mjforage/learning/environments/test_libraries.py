@@ -19,7 +19,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:PettingZoo in TorchRL is tested"
 
 
 def moved(before: dict[str, torch.Tensor], module: nn.Module) -> bool:
-    """Whether weights are finite and have changed."""
+    """True if weights are finite and have changed."""
     after = module.state_dict()
     assert all(bool(torch.isfinite(value).all()) for value in after.values())
     return any(not torch.equal(before[name], value) for name, value in after.items())

@@ -11,7 +11,7 @@ import mjforage
 from mjforage.base.errors import UserError
 
 FEW = ("horizon=6", "items.mean=3", "items.std=1", "items.covariance_node2=4")
-NAMES = ("crop", "globe", "moves", "own")
+NAMES = ("local_map", "global_map", "moves", "own")
 
 
 def batch(**options: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What central critics are told: the map of all looks, and the truth."""
+"""State for central critics: the map of all looks, and the truth."""
 
 import numpy as np
 import pytest

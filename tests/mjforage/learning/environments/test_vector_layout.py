@@ -1,4 +1,4 @@
-"""What a batch gives, laid out as Gymnasium's own batch of the same environments does."""
+"""Layout of a batch: that of Gymnasium's own batch of the same environments."""
 
 from functools import partial
 from typing import Any

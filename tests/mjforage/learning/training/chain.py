@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
-from mjforage.graph_planner.encodings import legal_moves
+from mjforage.graph_planner.encodings import LegalMoves
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.rewards import Amounts, Step
 from mjforage.mission.mission import Mission
@@ -161,7 +161,7 @@ def again(scenario: Scenario, key: NDArray[np.uint64], moves: NDArray[np.int64])
     def look() -> None:
         seen.append(encoder.see(mission.observation, np.zeros(1, np.int64))["x"][0].copy())
         at, energy = mission.knowledge.agent_node, mission.knowledge.energy_left
-        legal.append(legal_moves(mission.task, at, energy)[0])
+        legal.append(LegalMoves(mission.task)(at, energy)[0])
 
     look()
     while mission.active[0]:

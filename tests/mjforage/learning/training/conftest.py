@@ -1,4 +1,4 @@
-"""What the tests of whole trainings share; torch is loaded by those who ask for it."""
+"""Fixtures of whole trainings; torch is loaded by those who ask for it."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

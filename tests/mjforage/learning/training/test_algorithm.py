@@ -1,4 +1,4 @@
-"""What all algorithms share: which episodes are played, and what their logs have."""
+"""Episodes and logs of all algorithms."""
 
 from pathlib import Path
 from typing import Any

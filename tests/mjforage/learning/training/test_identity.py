@@ -1,4 +1,4 @@
-"""What a training is: whatever decides its weights, changed alone, is refused where it goes on."""
+"""Identity of a training: whatever decides its weights, changed alone, is refused on resuming."""
 
 import copy
 import inspect
@@ -32,7 +32,7 @@ FREE = {
     "versions.mjforage": "its code counts",
     "versions.python": "computes no number",
 }
-"""What `training.json` says and a training may differ in, and why."""
+"""Facts of `training.json` in which a training may differ, and why."""
 Finished = tuple[Path, Trainer]
 
 

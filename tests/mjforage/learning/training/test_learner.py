@@ -171,7 +171,7 @@ def test_the_average_is_of_all_weights_the_later_ones_counting_more(eta: float) 
 
 
 def moved(one: Learner) -> list[NDArray[np.float32]]:
-    """What an update adds to the weights."""
+    """Change of the weights by an update."""
     before = [p.detach().numpy().copy() for p in one.online.parameters()]
     one.learn(batch([0, 3]))
     return [p.detach().numpy() - b for p, b in zip(one.online.parameters(), before, strict=True)]

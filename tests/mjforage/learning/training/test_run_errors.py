@@ -1,4 +1,4 @@
-"""What is no training, or another one than its folder holds: it is named, and nothing is lost."""
+"""Errors of trainings: named in a sentence, and nothing is lost."""
 
 import shutil
 from collections.abc import Callable

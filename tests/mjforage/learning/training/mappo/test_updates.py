@@ -1,4 +1,4 @@
-"""What multi-agent PPO learns from a round: draws, advantages, shared actors, the warm start."""
+"""Updates of multi-agent PPO: draws, advantages, shared actors, the warm start."""
 
 import math
 
