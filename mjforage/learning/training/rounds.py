@@ -102,11 +102,6 @@ class Round:
         for core, teacher in zip(self.cores, self._teachers, strict=True):
             core.mission.prepare(teacher)
 
-    @property
-    def has_teacher(self) -> bool:
-        """True if a policy has been got ready to show moves in these episodes."""
-        return bool(self._teachers)
-
     def demonstrated(self) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """The teacher's preferences (env, agent, 9), and the moves that it would make or likes as
         much.

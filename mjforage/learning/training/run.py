@@ -5,7 +5,6 @@ Folder: `training.json` (command, algorithm, scenario, hyperparameters, seed, ve
 `weights.safetensors` (latest) and `best.safetensors` (of the best evaluation).
 """
 
-import logging
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -47,7 +46,6 @@ from mjforage.scenario.scenario_file import canonical_json
 CHECKPOINT_S = 300.0  # between two checkpoints
 CHECKPOINT = "checkpoint"  # name of what is reported when a run goes on
 FINISHED = "finished"  # the same when nothing is left to do
-IDLE_ROUNDS = 20  # without an update: longer than most take to fill a replay
 STOPPING = (
     "train: stops at the end of this round and keeps it; once more stops at once, and what came "
     "after the last checkpoint is lost"
@@ -151,7 +149,7 @@ def _go_on(
     saved = time.perf_counter()
     with stop_noted(STOPPING) as stopped:
         while not _over(trainer, hours, updates):
-            row = _checked(trainer, trainer.play_round())
+            row = checked_row(trainer, trainer.play_round())
             logs.add("training", row)
             report("training", row)
             over = _over(trainer, hours, updates)
@@ -170,24 +168,6 @@ def _go_on(
             if stop:
                 raise KeyboardInterrupt
     logs.close()
-
-
-def _checked(trainer: Algorithm[Any], row: Row) -> Row:
-    """The row of a round, which an algorithm of a user may have made."""
-    name, progress = f"algorithm {type(trainer).__name__}", trainer.progress
-    row = checked_row(trainer, row)
-    if progress.rounds == IDLE_ROUNDS and not progress.updates:
-        logging.getLogger(__name__).warning(
-            f"{name}: {IDLE_ROUNDS} rounds and no update; a run ends by its updates, which "
-            "play_round counts in self.progress.updates"
-        )
-    teacher = getattr(trainer.hyperparameters, "teacher", "")
-    if teacher and progress.rounds == 1 and not trainer.round.has_teacher:
-        logging.getLogger(__name__).warning(
-            f"{name}: --teacher {teacher} shows nothing, as play_round does not ask it; call "
-            "self.teach and self.round.demonstrated, or leave the teacher out"
-        )
-    return row
 
 
 def _evaluate(trainer: Algorithm[Any], folder: Path, logs: Logs, report: Report) -> None:

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from mjforage.graph_planner.encodings.chart import Chart
 from mjforage.graph_planner.encodings.egocentric import Egocentric
-from mjforage.graph_planner.encodings.masks import LegalMoves, legal_of_agent
 from mjforage.graph_planner.encodings.move_features import MIDDLE
 from mjforage.graph_planner.encodings.samples import (
     MOST_SAMPLES,
@@ -19,7 +18,6 @@ from mjforage.graph_planner.encodings.samples import (
 from mjforage.graph_planner.encodings.shared_fields import AGAIN_RADIUS
 from mjforage.graph_planner.encodings.unseen import Unseen, list_nodes
 from mjforage.graph_planner.graph.navigation import STAY, navigation_graph
-from mjforage.mission.moves import MoveRules
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
@@ -190,17 +188,3 @@ def test_nodes_near_items_of_before_are_due_once_they_are_idle() -> None:
     assert sample.nodes[: sample.size[0]].tolist() == due.tolist()
     view.see(observation_of(TASK, cells, {}, last_seen, step=1), ROW)  # another episode
     assert sample.size[0] == 0 and nearby.size[0] == 0
-
-
-@given(seeds, st.booleans(), st.booleans())
-def test_masks_of_a_batch_are_those_of_each_agent(seed: int, stay: bool, shorten: bool) -> None:
-    random = np.random.default_rng(seed)
-    task = task_of(GRAPH, MoveRules(stay, shorten), scouts=Role(2, 3, 4.0, False))
-    nodes = random.integers(0, NODES, (3, 2)).astype(np.int32)
-    energy = random.choice([0.0, 1.0, 1.2, 2.5, 3.0, np.inf], (3, 2))
-    found, nobody = LegalMoves(task)(nodes, energy), np.empty(0, np.int64)
-    for e in range(3):
-        for a in range(2):
-            one = legal_of_agent(task.arrays, nobody, -1, a, nodes[e, a], energy[e, a])
-            assert found[e, a].tolist() == one.tolist()
-    assert found[..., STAY].all() or not stay

@@ -3,7 +3,6 @@ import pytest
 from scipy.sparse import csgraph
 
 from mjforage.base import row_cache
-from mjforage.graph_planner.graph import navigation
 from mjforage.graph_planner.graph.geodesics import (
     DistanceRows,
     Workspace,
@@ -85,11 +84,6 @@ def test_table_and_search_find_the_same_nearest_source(
         assert np.isinf(workspace.distance).all()
 
 
-def test_a_large_map_has_no_table(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(navigation, "TABLE_LIMIT", 5)
-    assert NavigationGraph(np.ones((2, 3), np.bool_), 1.0, False).distances.shape == (0, 0)
-
-
 def test_rows_of_distances_make_room_for_one_another(
     monkeypatch: pytest.MonkeyPatch, ragged_coast: NavigationGraph
 ) -> None:
@@ -151,12 +145,6 @@ def test_metres_are_east_and_north_and_come_back() -> None:
     assert graph.metres(np.array([0.0, 4.0])).tolist() == [16.0, 8.0]
     rc = np.random.default_rng(0).uniform(0, 3, (7, 2))
     np.testing.assert_allclose(graph.row_column(graph.metres(rc)), rc)
-
-
-def test_a_graph_is_built_once_per_map() -> None:
-    cells = np.ones((4, 4), np.bool_)
-    assert navigation_graph(cells, 4.0, False) is navigation_graph(cells.copy(), 4.0, False)
-    assert navigation_graph(cells, 4.0, True) is not navigation_graph(cells, 4.0, False)
 
 
 def test_a_corner_is_one_whose_three_other_cells_are_all_land() -> None:

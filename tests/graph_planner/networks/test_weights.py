@@ -202,12 +202,3 @@ def test_the_network_is_dueling() -> None:
     with torch.no_grad():
         network.get_parameter("value.2.bias").add_(3.0)
     torch.testing.assert_close(network(levels), before + 3.0)
-
-
-def test_headers_are_one_entry_of_sorted_json() -> None:
-    key, text = header_note(
-        WeightsHeader("paper", {"map": (6, 4, 5)}, ({"stay": True, "map": "a"},))
-    )
-    notes = json.loads(text)
-    assert key == "mjforage" and notes["shapes"] == {"map": [6, 4, 5]}
-    assert text == json.dumps(notes, sort_keys=True)

@@ -1,4 +1,4 @@
-"""Policies that act on tracks, by hand on small maps: `ogr` and `orienteering`."""
+"""Policies that act on tracks, by hand on small maps, and options of all that search."""
 
 from dataclasses import replace
 
@@ -19,6 +19,7 @@ from tests.graph_planner.driver import observation_of, preferences, task_of
 N, NE, E, SE, S, SW, W, NW = range(8)
 EAST, WEST = {NE, E, SE}, {SW, W, NW}
 BOTH = pytest.mark.parametrize("name", ["ogr", "orienteering"])
+ALL = pytest.mark.parametrize("name", ["auction", "ogr", "orienteering"])
 Cell = tuple[int, int]
 
 
@@ -70,7 +71,7 @@ def test_two_foragers_share_two_items(name: str) -> None:
     assert WEST.issuperset(chosen(name, task, seen))
 
 
-@BOTH
+@ALL
 def test_a_full_forager_and_one_out_of_energy_stay_and_leave_items_to_others(name: str) -> None:
     task = task_of(lake(5, 21), foragers=foragers(2, capacity=2, energy=50.0))
     for spent in ("room_left", "energy_left"):
@@ -138,7 +139,7 @@ def test_an_item_that_a_hull_gave_up_counts_less_for_six_decisions() -> None:
     assert [move in WEST for move in moves] == [False] + [True] * 6 + [False] * 2
 
 
-@BOTH
+@ALL
 def test_scouts_split_over_unseen_water(name: str) -> None:
     graph = lake(9, 41)
     task = task_of(graph, scouts=scouts(2))
@@ -149,7 +150,7 @@ def test_scouts_split_over_unseen_water(name: str) -> None:
     assert columns[0] <= 14 and columns[1] >= 26
 
 
-@BOTH
+@ALL
 def test_a_fleet_without_scouts_looks_for_itself(name: str) -> None:
     graph = lake(9, 41)
     task = task_of(graph, foragers=foragers())
@@ -176,7 +177,7 @@ def test_a_scout_out_of_energy_stays_and_others_look_behind_it(
     assert stays == STAY and goes in EAST
 
 
-@BOTH
+@ALL
 @pytest.mark.parametrize("rules", [MoveRules(False, False), MoveRules(True, True)])
 @pytest.mark.parametrize("teams", [(0, 0), (1, 0), (0, 3), (5, 2), (16, 16)])
 def test_any_fleet_on_any_map(
@@ -205,6 +206,15 @@ def test_any_fleet_on_any_map(
         ("ogr(ahead=0)", "ogr: ahead 0 is too small; give 1 or more"),
         ("ogr(patience=0)", "ogr: patience 0.0 is too small; give more than 0"),
         ("orienteering(every=0)", "orienteering: every 0 is too small; give 1 or more"),
+        ('auction(bid="most")', "bid 'most' is unknown; give one of minisum, minimax, miniave"),
+        ("auction(lots=0)", "lots 0 is too small; give 1 or more"),
+        ("auction(patience=inf)", "patience inf is not finite; give 1 or more"),
+        ("auction(warm=-1)", "warm -1.0 is too small; give 0 or more"),
+        ("dec-mcts(rounds=0)", "dec-mcts: rounds 0 is too small; give 1 or more"),
+        ("dec-mcts(discount=1)", "discount 1.0 is too large; give less than 1"),
+        ("dec-mcts(forget=1.5)", "forget 1.5 is no share; give above 0 to 1"),
+        ("dec-mcts(explore=-1)", "explore -1.0 is too small; give 0 or more"),
+        ("dec-mcts(trust=inf)", "trust inf is not finite; give more than 0"),
         ("orienteering(patience=0)", "orienteering: patience 0.0 is too small"),
     ],
 )

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
 from mjforage.graph_planner.planning.auctions import BID_RULES, Bidders, Lots, sell_items
 from mjforage.graph_planner.policies import create_policy
-from mjforage.mission.moves import MoveRules
 from mjforage.mission.task import Observation, Task
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.charts import grid
@@ -112,15 +110,6 @@ def test_ways_are_geodesic() -> None:
     assert west in (W, NW) and east == STAY
 
 
-def test_a_full_forager_and_one_out_of_energy_stay_and_leave_items_to_others() -> None:
-    task = task_of(lake(5, 21), foragers=foragers(2, capacity=2, energy=50.0))
-    for spent in ("room_left", "energy_left"):
-        seen = observation_of(task, [(2, 5), (2, 15)], {(2, 4): 1})
-        assert chosen(task, seen)[0] == W
-        getattr(seen, spent)[0, 0] = 0
-        assert chosen(task, seen) == [STAY, W]
-
-
 def test_nobody_buys_an_item_that_its_energy_does_not_reach() -> None:
     task = task_of(lake(5, 21), foragers=foragers(1, energy=6.0))
     seen = observation_of(task, [(2, 10)], {(2, 2): 1, (2, 15): 1})
@@ -166,17 +155,6 @@ def test_a_tour_is_of_the_cheapest_insertions() -> None:
     assert tour == path
 
 
-def test_scouts_split_between_frontiers() -> None:
-    """Water in the middle has just been seen, both ends never."""
-    graph = lake(9, 41)
-    task = task_of(graph, scouts=scouts(2))
-    last_seen = np.full(len(graph), np.iinfo(np.int16).min)
-    last_seen[(graph.cols > 10) & (graph.cols < 30)] = 9
-    seen = observation_of(task, [(4, 20), (4, 20)], last_seen=last_seen, step=10)
-    columns = sorted(col for _, col in after(task, seen, 4))
-    assert columns[0] <= 14 and columns[1] >= 26
-
-
 def test_a_scout_takes_the_nearer_of_two_frontiers() -> None:
     graph = lake(9, 41)
     task = task_of(graph, scouts=scouts())
@@ -196,15 +174,6 @@ def test_foragers_without_items_go_where_scouts_look() -> None:
     assert after(task, seen, 5)[1][1] >= 14
 
 
-def test_a_fleet_without_scouts_looks_for_itself() -> None:
-    graph = lake(9, 41)
-    task = task_of(graph, foragers=foragers())
-    last_seen = np.full(len(graph), 9, np.int16)
-    last_seen[graph.cols > 30] = np.iinfo(np.int16).min
-    seen = observation_of(task, [(4, 20)], last_seen=last_seen, step=10)
-    assert after(task, seen, 5)[0][1] >= 24
-
-
 def test_water_near_known_items_is_looked_at_again_sooner() -> None:
     """Everything was last seen at once; an item is known at the west end alone."""
     graph = lake(9, 41)
@@ -212,37 +181,3 @@ def test_water_near_known_items_is_looked_at_again_sooner() -> None:
     last_seen = np.full(len(graph), 1, np.int16)
     seen = observation_of(task, [(4, 20)], {(4, 5): 1}, last_seen, step=25)
     assert after(task, seen, 4)[0][1] <= 16
-
-
-@pytest.mark.parametrize("rules", [MoveRules(False, False), MoveRules(True, True)])
-@pytest.mark.parametrize("teams", [(0, 0), (1, 0), (0, 3), (5, 2), (16, 16)])
-def test_any_fleet_on_any_map(
-    ragged_coast: NavigationGraph, rules: MoveRules, teams: tuple[int, int]
-) -> None:
-    rng = np.random.default_rng(2)
-    lookers, collectors = scouts(teams[0]), foragers(teams[1])
-    task = task_of(ragged_coast, rules, scouts=lookers, foragers=collectors)
-    nodes = rng.choice(len(ragged_coast), sum(teams) + 90, replace=False)
-    cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in nodes]
-    known = dict.fromkeys(cells[sum(teams) :], 1)
-    for items in ({}, known):
-        seen = observation_of(task, cells[: sum(teams)], items, episodes=2)
-        got = preferences("auction", task, seen)
-        assert got.shape == (2, sum(teams), 9) and not np.isnan(got).any()
-        arrays = task.arrays
-        can = (arrays.targets[arrays.stride_number, seen.agent_node] >= 0).any(axis=2)
-        assert (np.isfinite(got).any(axis=2) == can).all()
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ('bid="most"', "bid 'most' is unknown; give one of minisum, minimax, miniave"),
-        ("lots=0", "lots 0 is too small; give 1 or more"),
-        ("patience=inf", "patience inf is not finite; give 1 or more"),
-        ("warm=-1", "warm -1.0 is too small; give 0 or more"),
-    ],
-)
-def test_options_that_do_not_fit_are_refused(options: str, words: str) -> None:
-    with pytest.raises(UserError, match=words):
-        create_policy(f"auction({options})")

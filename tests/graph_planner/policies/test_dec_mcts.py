@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.base.errors import UserError
 from mjforage.graph_planner.dec_mcts.context import DecisionContext
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import create_policy
@@ -90,28 +89,3 @@ def test_draws_hang_on_the_episode_and_the_step() -> None:
     policy.reset(task, seen.keys[1:2])
     alone = policy.act(Observation._make(part[1:2] for part in seen))
     np.testing.assert_array_equal(together[1:2], alone)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("rounds=0", "rounds 0 is too small; give 1 or more"),
-        ("simulations=-3", "simulations -3 is too small"),
-        ("candidates=0", "candidates 0 is too small"),
-        ("samples=0", "samples 0 is too small"),
-        ("depth=0", "depth 0 is too small"),
-        ("discount=1", "discount 1.0 is too large; give less than 1"),
-        ("look_discount=1", "look_discount 1.0 is too large"),
-        ("forget=1.5", "forget 1.5 is no share; give above 0 to 1"),
-        ("cool=0", "cool 0.0 is no share"),
-        ("rate=2", "rate 2.0 is no share"),
-        ("explore=-1", "explore -1.0 is too small; give 0 or more"),
-        ("roam=-1", "roam -1.0 is too small"),
-        ("trust=inf", "trust inf is not finite; give more than 0"),
-        ("heat=0", "heat 0.0 is too small; give more than 0"),
-        ("trust=0", "trust 0.0 is too small"),
-    ],
-)
-def test_bad_options_are_refused(options: str, message: str) -> None:
-    with pytest.raises(UserError, match=f"dec-mcts: {message}"):
-        create_policy(f"dec-mcts({options})")

@@ -13,7 +13,6 @@ import mjforage
 from mjforage.base.errors import UserError
 from mjforage.learning.environments.spaces import Arrays
 from mjforage.learning.model_policy import ModelPolicy
-from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
@@ -94,21 +93,6 @@ def test_it_ends_where_the_environments_episode_ends(
 def test_the_batch_changes_nothing(policy: type[ModelPolicy]) -> None:
     whole = played(policy(), list(range(40))).state.agent_node
     np.testing.assert_array_equal(played(policy(), [37, 3]).state.agent_node, whole[[37, 3]])
-
-
-def test_values_are_masked() -> None:
-    """The largest value is of an illegal move now and then; it is never asked for."""
-    log: list[NDArray[np.int64]] = []
-
-    class Noted(Values):
-        def _choose(self, rows: Any, agent: int, moves: NDArray[np.int64]) -> None:
-            super()._choose(rows, agent, moves)
-            log.append(moves)
-
-    mission = played(Noted(), list(range(5)))
-    directions = EpisodeLog(mission)
-    assert len(log) == 12 * 4 and directions is not None
-    assert not (mission.moves is None or mission.moves.blocked.any())
 
 
 @pytest.mark.parametrize(

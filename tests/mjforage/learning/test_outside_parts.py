@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -131,17 +131,6 @@ def test_an_environment_takes_them_by_name_and_options(folder: Path) -> None:
     assert env.observation_space.contains(seen) and (seen["clock"] < 1.0).all()
 
 
-def test_each_kind_of_environment_knows_them(folder: Path) -> None:
-    shared = gymnasium.make("mjforage/SharedPolicy-v0", **options())
-    assert shared.reset(seed=1)[0]["clock"].shape == (3,)
-    batch = gymnasium.make_vec("mjforage/Foraging-v0", 2, **options())
-    assert batch.reset(seed=1)[0]["clock"].shape == (2, 4, 3)
-    assert f"reward/{SOUTH}" in batch.step(batch.action_space.sample())[-1]
-    view = mjforage.parallel_env(**options(reward={"own_term:Southing(scale=2.0)": 1}))
-    _, infos = view.reset(seed=1)
-    assert infos["scouts_0"][f"reward/{SOUTH}"] == 0.0  # one spelling
-
-
 def environment() -> gymnasium.Env[Any, Any]:
     return gymnasium.make("mjforage/Foraging-v0", **options())
 
@@ -244,16 +233,6 @@ def test_weights_name_their_encoder(folder: Path) -> None:
     (folder / "own_encoder.py").rename(folder / "elsewhere.txt")
     with pytest.raises(UserError, match=r"mine.safetensors: observation own_encoder:.*no module"):
         read_header(weights)
-
-
-def test_the_command_line_trains_with_them(
-    folder: Path, command: Callable[..., Any], refused: Callable[..., str]
-) -> None:
-    told = [f"--learning={key}={value}" for key, value in TINY.items()]
-    base = ("train", "ddqn", "--scenario", "comb-port", "--set", "horizon=6", "--updates", 1)
-    done = command(*base, *told, "--out", "run")
-    assert done.code == 0, done
-    assert "reward own_term:None: " in refused(*base, "--learning", "reward.own_term:None=1")
 
 
 def test_installed_packages_bring_them(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

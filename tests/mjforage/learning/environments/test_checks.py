@@ -165,12 +165,6 @@ def test_what_is_no_seed_is_refused(seed: Any, words: str) -> None:
     assert words in str(raised.value)
 
 
-def test_the_parallel_view_refuses_seeds_too(view: ForagingParallelEnv) -> None:
-    for seed in (-1, 2**64, 0.5):
-        with pytest.raises(UserError, match=r"seed = .*: give a whole number from 0 to below"):
-            view.reset(seed=seed)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize(
     "mask", [np.array([True]), np.ones(3, np.bool_), np.zeros(2, np.bool_), np.array([0, 1])]
 )

@@ -65,15 +65,6 @@ def test_a_map_may_be_an_array(kind: Any) -> None:
     assert env.core.setup.grid.navigable.any(), "a copy of its own"
 
 
-@pytest.mark.parametrize("world", ["graph", "physics"])
-def test_every_view_takes_an_array(world: str) -> None:
-    cells = np.ones((10, 12), np.bool_)
-    told: dict[str, Any] = {"map": cells, "set": {"horizon": 3}, "world": world}
-    mjforage.parallel_env(**told).reset(seed=0)
-    gymnasium.make_vec(NAME, num_envs=2, **told).reset(seed=0)
-    gymnasium.make("mjforage/SharedPolicy-v0", **told).reset(seed=0)
-
-
 def test_a_map_may_be_a_path(tmp_path: Path) -> None:
     path = tmp_path / "pond.csv"
     np.savetxt(path, np.ones((8, 9), np.int64), "%d", ",")
@@ -117,16 +108,6 @@ def test_options_of_a_reset_are_named(options: Any) -> None:
         env.reset(seed=1, options={})
         with pytest.raises(UserError, match=r"reset\(options=.*map"):
             env.unwrapped.reset(options=options)
-
-
-@pytest.mark.parametrize(
-    "cells",
-    [np.ones((9, 8)), np.full((9, 8), 255, np.uint8), np.ones((9, 8), np.float32), [[1] * 8] * 9],
-)
-def test_an_array_is_taken_as_a_file_of_it_would_be(cells: Any) -> None:
-    env: Any = gymnasium.make(NAME, map=cells, set={"horizon": 2}).unwrapped
-    assert env.core.setup.grid.navigable.shape == (9, 8)
-    assert env.core.setup.grid.navigable.all()
 
 
 def test_cells_of_an_array_without_a_number_are_land() -> None:

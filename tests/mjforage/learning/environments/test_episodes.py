@@ -58,12 +58,6 @@ def test_a_seed_is_an_episode_and_nothing_remains_of_the_one_before(name: str) -
     assert episode(used, 3, 2) != episode(used, 4, 2)
 
 
-def test_physics_repeats_too() -> None:
-    env = make(NAMES[0], world="physics", set=("horizon=6",))
-    first = episode(env, 3, 2)
-    assert episode(env, 3, 2) == first
-
-
 def test_a_seed_has_many_episodes() -> None:
     one, other = make(NAMES[0]), make(NAMES[0])
     one.reset(seed=8)

@@ -1,7 +1,6 @@
 """Figures of `render`, and the little work for a frame."""
 
-import copy
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -134,25 +133,3 @@ def test_environments_in_3d_take_turns_on_the_one_canvas() -> None:
     for env in envs:
         env.close()
     assert Canvas._open is None
-
-
-@pytest.mark.usefixtures("opengl")
-def test_a_copy_of_a_picture_has_a_view_of_its_own() -> None:
-    env = mjforage.parallel_env(camera="top", **THREE_D)
-    env.reset(seed=1)
-    first = env.render()
-    other = copy.deepcopy(env._figure)
-    assert other is not None
-    assert np.array_equal(other.draw(env.core, env._episodes), first)
-    other.close()
-    assert np.array_equal(env.render(), first)
-    env.close()
-
-
-def test_a_replay_of_the_present_has_all_that_a_replay_has() -> None:
-    env = mjforage.parallel_env(set=SHORT, render_mode="rgb_array")
-    env.reset(seed=1)
-    assert env._figure is not None
-    replay = env._figure._replay(env.core, env._episodes)
-    lacking = {one.name for one in fields(Recording) if getattr(replay, one.name, None) is None}
-    assert lacking == {"held"}

@@ -33,19 +33,6 @@ def test_ppo_learns_to_steer_a_hull(example: dict[str, Any]) -> None:
         assert example["mean_return"](env, model, 6) > 15.0
 
 
-def test_ppo_learns_to_forage(example: dict[str, Any]) -> None:
-    reward = {"idleness": 0.1, "removed": 1.0, "discovered": 1.0}
-    env = gymnasium.make(
-        "mjforage/SharedPolicy-v0", scenario="published", set=("horizon=30",), reward=reward
-    )
-    settings: dict[str, Any] = {"n_steps": 960, "batch_size": 120, "n_epochs": 5, "gamma": 0.97}
-    mean_return = example["mean_return"]
-    with one_thread():
-        model = PPO("MultiInputPolicy", env, learning_rate=1e-3, seed=0, device="cpu", **settings)
-        model.learn(4800)
-        assert mean_return(env, model, 20) > 1.25 * mean_return(env, None, 20)
-
-
 def test_a_model_of_the_example_plays_in_both_worlds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

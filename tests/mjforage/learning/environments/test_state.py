@@ -55,14 +55,6 @@ def test_the_state_is_as_documented() -> None:
     assert env.state_space.contains(env.state())  # a critic asks for the last one too
 
 
-def test_pettingzoo_accepts_the_state() -> None:
-    from pettingzoo.test.state_test import test_parallel_env, test_state_space
-
-    env = mjforage.parallel_env(set=(*STORES, *LINK))
-    test_state_space(env)
-    test_parallel_env(env)
-
-
 def test_the_state_is_of_all_looks_whatever_the_link() -> None:
     """And the truth is in it: items that nobody has seen."""
     states = []

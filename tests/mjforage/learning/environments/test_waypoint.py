@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.base.errors import UserError
 from mjforage.learning.environments.waypoint import REWARD, WaypointEnv
 from mjforage.learning.environments.waypoint_track import FARTHEST_M, NEAREST_M
 from mjforage.scenario.vessel_files import vessel_path
@@ -86,16 +85,6 @@ def test_what_a_hull_does_not_feel_and_that_it_hunts_is_told_once(
     )
 
 
-def test_calm_water_and_other_hulls() -> None:
-    env = gymnasium.make(
-        "mjforage/Waypoint-v0", vessel="otter", wind_mps=0.0, gust_intensity=0.0, current_mps=0.0
-    )
-    observation, _ = env.reset(seed=0)
-    assert not observation[11:15].any()
-    with pytest.raises(UserError, match="reward speed: unknown"):
-        WaypointEnv(reward={"speed": 1.0})
-
-
 def test_the_built_in_controller_pays_for_effort_like_actions_do(env: WaypointEnv) -> None:
     """Full astern is an action of -1 in both kinds of step."""
 
@@ -116,10 +105,3 @@ def test_thrusts_beyond_full_are_cut_off(env: WaypointEnv) -> None:
     beyond = env.step(np.array([3.0, -2.0], np.float32))
     env.reset(seed=1)
     np.testing.assert_equal(beyond, env.step(np.array([1.0, -1.0], np.float32)))
-
-
-def test_info_has_the_same_facts_at_a_reset_and_at_a_step(env: WaypointEnv) -> None:
-    _, facts = env.reset(seed=3)
-    *_, info = env.step(np.zeros(2, np.float32))
-    assert facts.keys() == {name for name in info if not name.startswith("reward/")}
-    assert facts == {"reached": 0, "distance_m": np.hypot(*env.track.waypoints[0])}

@@ -188,15 +188,6 @@ def test_steps_become_smaller_as_the_rate_falls() -> None:
     assert falling.rate == 1e-2 / 4.0
 
 
-def test_a_falling_rate_goes_on_where_it_was() -> None:
-    one = learner(rate_halves=2)
-    moved(one), moved(one)
-    other = learner(rate_halves=2)
-    other.restore({name: value.clone() for name, value in one.tensors().items()})
-    for a, b in zip(moved(one), moved(other), strict=True):
-        np.testing.assert_array_equal(a, b)
-
-
 def test_what_is_played_in_the_end_is_the_average() -> None:
     trainer = Trainer([load_scenario("published")], changed(Hyperparameters(), {}), seed=0)
     assert set(trainer.networks) == set(trainer.learners)

@@ -26,7 +26,7 @@ from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.assets import models_folder
 from mjforage.scenario.scenario import Scenario
-from mjforage.scenario.scenario_file import load_scenario, with_values
+from mjforage.scenario.scenario_file import load_scenario
 
 TINY = {
     "world": "physics",
@@ -88,16 +88,6 @@ def test_episodes_draw_hulls_and_weather() -> None:
             played(alone, moves[:, envs]), played(core.mission, moves[:, envs])
         )
     assert len({mass for mass, _ in drawn}) == len({wind for _, wind in drawn}) == 2
-
-
-def test_a_heavier_hull_in_stronger_wind_goes_another_way() -> None:
-    moves = np.random.default_rng(0).random((4, 2, 4, 9))
-    ways = []
-    for values in ({}, {"physics.scale.mass": 1.2}, {"weather.wind_speed_mps": 8.0}):
-        mission = create_mission(Setup.of(with_values(scenario(), values, "")), "physics")
-        mission.reset(0, np.arange(2))
-        ways.append(played(mission, moves))
-    assert (ways[0] != ways[1]).any() and (ways[0] != ways[2]).any()
 
 
 def test_evaluations_are_in_the_world() -> None:

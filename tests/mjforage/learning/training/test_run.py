@@ -3,11 +3,9 @@
 import json
 import shutil
 import signal
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-from unittest.mock import Mock
 
 import jsonschema
 import numpy as np
@@ -23,8 +21,7 @@ from mjforage.learning.training import run
 from mjforage.learning.training.checkpoint import save_checkpoint
 from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters
-from mjforage.learning.training.logs import Logs
-from mjforage.learning.training.progress import Progress, Row
+from mjforage.learning.training.progress import Row
 from mjforage.learning.training.run import CHECKPOINT, train
 from mjforage.learning.training.trainer import Trainer
 from mjforage.learning.training.training_info import TrainingInfo
@@ -254,36 +251,6 @@ def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
         Trainer(
             [scenario(), load_scenario("comb-port", ("team.scouts.count=1",))], hyperparameters()
         )
-
-
-def test_the_board_forgets_what_no_checkpoint_holds(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A run that was killed before its first checkpoint begins anew, and so do its curves."""
-    board = Mock()
-    monkeypatch.setattr("torch.utils.tensorboard.SummaryWriter", board)
-    for progress, first in ((Progress(), 0), (Progress(rounds=2, updates=7), 8)):
-        Logs(tmp_path, progress)
-        assert board.call_args.kwargs["purge_step"] == first
-
-
-def test_hours_count_evaluations(tmp_path: Path) -> None:
-    original = Trainer.evaluate
-
-    def slow(trainer: Trainer) -> dict[str, float]:
-        time.sleep(0.2)
-        return original(trainer)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Trainer, "evaluate", slow)
-        done = train(scenario(), hyperparameters(evaluate_every=1), tmp_path, updates=10)
-    rounds, found = (
-        pl.read_parquet(tmp_path / f"{name}.parquet") for name in ("training", "evaluations")
-    )
-    both = rounds.join(found, on="rounds", suffix="_after")
-    assert both.height > 0
-    assert (both["seconds_after"] - both["seconds"]).min() >= 0.2  # type: ignore[operator]
-    assert done.progress.seconds >= float(found["seconds"][-1])
 
 
 def test_a_row_has_what_episodes_had_of_each_term_of_the_reward() -> None:

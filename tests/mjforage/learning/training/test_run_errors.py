@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
-import numpy as np
 import pytest
 
 from mjforage.base.errors import UserError
@@ -17,7 +16,7 @@ from mjforage.learning.training.algorithm_validation import check_parts
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import save_checkpoint
 from mjforage.learning.training.progress import Row
-from mjforage.learning.training.run import IDLE_ROUNDS, train, train_with
+from mjforage.learning.training.run import train, train_with
 from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.lock import folder_lock
 from tests.mjforage.learning.training.tiny_runs import hyperparameters, scenario
@@ -178,24 +177,6 @@ def test_a_row_without_what_end_round_gives_is_named(tmp_path: Path) -> None:
         train_with(Rowless, scenario(), hyperparameters(), tmp_path, updates=1)
 
 
-class Idle(Trainer):
-    """Its rounds are played and nothing is learned; it is stopped when it has been settings so."""
-
-    def play_round(self) -> Row:
-        if self.progress.rounds == IDLE_ROUNDS:
-            raise KeyboardInterrupt
-        self.start_round()
-        return self.end_round(np.zeros((self.hyperparameters.num_envs, 4)), [])
-
-
-def test_rounds_without_an_update_are_told_of(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    with pytest.raises(KeyboardInterrupt):
-        train_with(Idle, scenario(), hyperparameters(), tmp_path, updates=1)
-    assert "Idle: 20 rounds and no update" in caplog.text
-
-
 class OneTeam(Trainer):
     """Forgets that foragers have networks too."""
 
@@ -265,23 +246,3 @@ def test_networks_whose_weights_no_policy_plays_are_told_of_before_they_train(
     caplog.clear()
     check_parts(OfAnotherKind([scenario()], hyperparameters()))
     assert caplog.text.rstrip().endswith("give weights_kind = 'mjforage dueling q-network 1'")
-
-
-class Deaf(Trainer):
-    """Asks no teacher."""
-
-    def play_round(self) -> Row:
-        self.start_round()
-        self.progress.updates += 1
-        return self.end_round(np.zeros((self.hyperparameters.num_envs, 4)), [])
-
-
-def test_a_teacher_that_is_not_asked_is_told_of(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    taught = hyperparameters(teacher="greedy", teacher_updates=9, evaluate_episodes=1)
-    train_with(Deaf, scenario(), taught, tmp_path / "deaf", updates=1)
-    assert "Deaf: --teacher greedy shows nothing, as play_round does not ask it" in caplog.text
-    caplog.clear()
-    train_with(Trainer, scenario(), taught, tmp_path / "run", updates=1)
-    assert "shows nothing" not in caplog.text

@@ -1,13 +1,11 @@
 """Training on families of generated harbours: whose turn it is, what is kept, resuming, errors."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
-from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import load_scenario
@@ -56,21 +54,6 @@ def test_values_are_drawn_on_harbours_too() -> None:
     trainer.play_round()
     assert {core.setup.grid.name.split(":")[1] for core in trainer.round.cores} == {"combs"}
     assert {core.setup.scenario.link.range_m for core in trainer.round.cores} <= {16, 1e6}
-
-
-@pytest.mark.every_capability
-def test_n_and_m_updates_are_n_stop_resume_m(tmp_path: Path) -> None:
-    """Whose turn it is follows from the number of the round, whenever the run was stopped."""
-    also = [on("harbours:5-9")]
-    whole, parts = tmp_path / "whole", tmp_path / "parts"
-    train(scenario(), settings(), whole, also=also, seed=3, updates=40)
-    stopped = train(scenario(), settings(), parts, also=also, seed=3, updates=20)
-    assert stopped.progress.rounds % 2 == 0 and stopped.progress.rounds < 10
-    train(scenario(), settings(), parts, also=also, seed=3, updates=40)
-    one, other = ((f / "weights.safetensors").read_bytes() for f in (whole, parts))
-    assert one == other
-    with pytest.raises(UserError, match=r"harbours:5-9.* there and .*harbours:5-8"):
-        train(scenario(), settings(), parts, also=[on("harbours:5-8")], seed=3, updates=40)
 
 
 @pytest.mark.parametrize(
