@@ -57,7 +57,7 @@ def check_target(path: Path, fps: float) -> Writer:
         writer = _write_pngs
     else:
         folder = path.parent
-        known = {".mp4": _write_mp4, ".gif": _write_gif, ".png": _write_png}
+        known = {".mp4": _write_film, ".gif": _write_film, ".png": _write_png}
         if path.suffix.lower() not in known:
             raise UserError(f"output {path}: unknown kind of file; name {_FORMATS}")
         writer = known[path.suffix.lower()]
@@ -91,25 +91,16 @@ def _counted(frames: Frames) -> Frames:
         yield frame
 
 
-def _write_mp4(frames: Frames, path: Path, fps: float) -> int:
-    from mjforage.view.render.mp4 import write_mp4
-
-    return _encoded(write_mp4, frames, path, fps)
-
-
-def _write_gif(frames: Frames, path: Path, fps: float) -> int:
-    from mjforage.view.render.gif import write_gif
-
-    return _encoded(write_gif, frames, path, fps)
-
-
-def _encoded(write: Writer, frames: Frames, path: Path, fps: float) -> int:
+def _write_film(frames: Frames, path: Path, fps: float) -> int:
     """Have libav write frames, if there is one."""
     import av
+
+    from mjforage.view.render.encoders import write_gif, write_mp4
 
     first = next(frames, None)
     if first is None:
         return 0
+    write = write_gif if path.suffix.lower() == ".gif" else write_mp4
     with atomic_write(path, av.FFmpegError) as part:
         return write(chain((first,), frames), part, fps)
 
@@ -128,29 +119,16 @@ def _write_png(frames: Frames, path: Path, fps: float) -> int:
 
 def _write_pngs(frames: Frames, path: Path, fps: float) -> int:
     pattern = path / "frames-%04d.png" if path.is_dir() else path
-    _refuse_old(pattern)
-    start, number, end = _split_pattern(pattern.name)
-    count = 0
-    for frame in frames:
-        _save_png(frame, pattern.with_name(start + number % count + end))
-        count += 1
-    return count
-
-
-def _split_pattern(name: str) -> tuple[str, str, str]:
-    """What stands before the number, its format, and what stands after."""
-    found = NUMBERED.search(name)
-    assert found is not None, name
-    return name[: found.start()], found[0], name[found.end() :]
-
-
-def _refuse_old(pattern: Path) -> None:
-    """Old and new numbered frames would mix into one film."""
-    start, _, end = _split_pattern(pattern.name)
-    matching = re.compile(re.escape(start) + r"\d+" + re.escape(end))
+    (number, *_) = NUMBERED.findall(pattern.name)
+    ours = re.compile(NUMBERED.sub(r"\\d+", re.escape(pattern.name), count=1))
     for file in sorted(pattern.parent.iterdir()):
-        if matching.fullmatch(file.name):
+        if ours.fullmatch(file.name):  # old and new frames would mix into one film
             raise UserError(f"output {pattern}: {file.name} is already there; use an empty folder")
+    count = 0
+    for count, frame in enumerate(frames, start=1):
+        name = pattern.name.replace(number, number % (count - 1), 1)
+        _save_png(frame, pattern.with_name(name))
+    return count
 
 
 def _save_png(frame: NDArray[np.uint8], path: Path) -> None:

@@ -11,7 +11,7 @@ from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
 from mjforage.view.render import write_video
-from mjforage.view.render.gif import HELD, held
+from mjforage.view.render.encoders import HELD, held
 
 HEIGHT, WIDTH = 48, 64
 
