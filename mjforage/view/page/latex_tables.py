@@ -6,18 +6,15 @@ The text compiles with pdflatex and the packages of `NEEDED`, whatever policies 
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from mjforage.base.references import file_label
 from mjforage.view.page.marked_words import CODE, SUBSCRIPT
 from mjforage.view.page.table import Row, Table, groups
 
-NEEDED = ("array", "booktabs", "graphicx", "longtable")
-LONG = 44  # lines of a table that is no float, so that it may go over pages
+NEEDED = ("array", "booktabs", "graphicx")
+LONG = 44  # lines that a page has room for
 WIDE = 4  # columns from which on intervals stand below their numbers
 HEAD = 40  # letters of a row's head or a group's that is broken into lines
-
-LINE, GAP = 84, 2  # letters that a line has in the small print of wide tables, and between columns
 
 _SIGNS = {
     **{sign: f"\\{sign}" for sign in "&%$#_{}"},
@@ -49,75 +46,27 @@ _PAIR = re.compile(r"(?P<mean>.+?)(?P<rest> (?:±|\().+)", re.DOTALL)
 
 
 def latex_text(table: Table) -> str:
-    """A table as LaTeX, to be read with input: a float, or where it is long a `longtable`.
+    """A table as LaTeX, to be read with input: one float, or where it is long several.
 
-    A float is made smaller where the line is too short for it; a `longtable` that is too wide
-    becomes several, each with some of the columns.
+    A float is made smaller where the line is too short for it.
     """
     packages = ",".join(NEEDED)
     first = f"% needs \\usepackage[T1]{{fontenc}} and \\usepackage{{{packages}}}"
     lines = list(_lines(table))
-    if len(lines) <= LONG:
-        return "\n".join([first, *_float(table, lines)]) + "\n"
-    parts = [line for part in _parts(table) for line in _long(part)]
-    return "\n".join([first, *parts, *_notes(table)]) + "\n"
+    most = LONG // (1 + any("\n" in line for line in lines))
+    starts = range(0, max(len(lines), 1), most)
+    parts = [_float(table, lines[k : k + most], continued=k > 0) for k in starts]
+    return "\n".join([first, *(line for part in parts for line in part), *_notes(table)]) + "\n"
 
 
-def _parts(table: Table) -> list[Table]:
-    """A long table, or where it is too wide some that have all of its rows and not all columns."""
-    if len(table.columns) <= WIDE:
-        return [table]
-    heads = max(len(row.head) for row in table.rows)
-    first = HEAD if heads > HEAD else heads
-    parts: list[list[int]] = [[]]
-    used = first
-    for place in range(len(table.columns)):
-        letters = _letters(table, place) + GAP
-        if parts[-1] and used + letters > LINE:
-            parts.append([])
-            used = first
-        parts[-1].append(place)
-        used += letters
-    return [_part(table, places, number) for number, places in enumerate(parts)]
-
-
-def _letters(table: Table, place: int) -> int:
-    """How wide a column is, intervals below their numbers."""
-    words = [table.columns[place].replace("_", "") + " x" * any(table.better)]
-    words += table.units[place : place + 1]
-    words += [part for row in table.rows for part in _parted(row.cells[place])]
-    return max(map(len, words))
-
-
-def _part(table: Table, places: Sequence[int], number: int) -> Table:
-    """Some of the columns; the first part keeps the name that is referred to."""
-    rows = tuple(
-        replace(
-            row,
-            cells=tuple(row.cells[place] for place in places),
-            best=frozenset(new for new, place in enumerate(places) if place in row.best),
-            values=(),
-            also=(),
-        )
-        for row in table.rows
-    )
-    return replace(
-        table,
-        name=f"{table.name}-{number + 1}" if number else table.name,
-        title=f"{table.title} (continued)" if number else table.title,
-        columns=tuple(table.columns[place] for place in places),
-        rows=rows,
-        units=tuple(table.units[place] for place in places) if table.units else (),
-        better=tuple(table.better[place] for place in places) if table.better else (),
-        stacked=True,
-    )
-
-
-def _float(table: Table, lines: Sequence[str]) -> list[str]:
+def _float(table: Table, lines: Sequence[str], *, continued: bool) -> list[str]:
+    """Some of the lines; the first float has the name that is referred to."""
+    words = latex(f"{table.title} (continued)" if continued else table.title)
+    label = "" if continued else rf"\label{{tab:{file_label(table.name)}}}"
     return [
-        r"\begin{table}",
+        r"\begin{table}[htbp]",
         r"\centering\small\setlength{\tabcolsep}{4pt}",
-        _caption(table),
+        rf"\caption{{{words}}}{label}",
         r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%",
         rf"\begin{{tabular}}{{{_columns(table)}}}",
         r"\toprule",
@@ -125,31 +74,7 @@ def _float(table: Table, lines: Sequence[str]) -> list[str]:
         *lines,
         r"\bottomrule",
         r"\end{tabular}}",
-        *_notes(table),
         r"\end{table}",
-    ]
-
-
-def _long(table: Table) -> list[str]:
-    """Stacked ones are small, and so are their intervals."""
-    size, fine = (r"\scriptsize", r"\tiny") if table.stacked else (r"\small", r"\footnotesize")
-    head, lines = (
-        [line.replace(r"{\footnotesize ", rf"{{{fine} ") for line in part]
-        for part in ([r"\toprule", *_head(table)], _lines(table))
-    )
-    return [
-        rf"{{{size}\setlength{{\tabcolsep}}{{4pt}}",
-        rf"\begin{{longtable}}{{{_columns(table)}}}",
-        _caption(table) + r" \\",
-        *head,
-        r"\endfirsthead",
-        *head,
-        r"\endhead",
-        r"\bottomrule",
-        r"\endfoot",
-        *lines,
-        r"\end{longtable}",
-        "}",
     ]
 
 
@@ -157,10 +82,6 @@ def _columns(table: Table) -> str:
     heads = max((len(row.head) for row in table.rows), default=0)
     first = r">{\raggedright}p{0.36\linewidth}" if heads > HEAD else "l"
     return f"@{{}}{first}{'r' * len(table.columns)}@{{}}"
-
-
-def _caption(table: Table) -> str:
-    return rf"\caption{{{latex(table.title)}}}\label{{tab:{file_label(table.name)}}}"
 
 
 def _notes(table: Table) -> Iterator[str]:
@@ -209,8 +130,7 @@ def _row(row: Row, *, stacked: bool) -> Iterator[str]:
     ]
     rests = [rf"{{\footnotesize {latex(rest)}}}" if rest else "" for _, rest in pairs]
     if stacked and any(rests):
-        yield _line([head, *means]) + "*"  # no page may end here
-        yield _line(["", *rests])
+        yield _line([head, *means]) + "\n" + _line(["", *rests])
     else:
         yield _line([head, *(f"{m} {r}" if r else m for m, r in zip(means, rests, strict=True))])
 

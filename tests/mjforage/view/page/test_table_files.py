@@ -80,7 +80,7 @@ def test_latex_compiles(tmp_path: Path, rows: int) -> None:
     lines = [Row(SPECIAL, ("1 ± 2",) * 5, group=str(i // 9), note=SPECIAL) for i in range(rows)]
     table = Table("t", SPECIAL, (SPECIAL,) * 5, tuple(lines), (SPECIAL,), ("%",) * 5)
     write_table(table, tmp_path, ["latex"])
-    packages = "[T1]{fontenc}\\usepackage{array,booktabs,graphicx,longtable}"
+    packages = "[T1]{fontenc}\\usepackage{array,booktabs,graphicx}"
     whole = f"\\documentclass{{article}}\\usepackage{packages}\\begin{{document}}\\input{{t}}"
     (tmp_path / "all.tex").write_text(whole + "\\end{document}")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "all.tex"]
@@ -88,52 +88,21 @@ def test_latex_compiles(tmp_path: Path, rows: int) -> None:
     assert done.returncode == 0, done.stdout.decode(errors="replace")[-2000:]
 
 
-def test_long_tables_go_over_pages_in_latex() -> None:
-    short, long = (Table("t", "T", ("a",), (Row("x", ("1",)),) * n) for n in (10, 60))
-    assert "longtable}{" not in latex_text(short) and "\\begin{table}" in latex_text(short)
-    assert "\\begin{longtable}" in latex_text(long) and "\\begin{table}" not in latex_text(long)
-
-
 def test_latex_says_which_way_is_better() -> None:
     table = Table("t", "T", ("up", "down", "own"), (Row("x", ("1",) * 3),), better=(1, -1, 0))
     assert r"up $\uparrow$ & down $\downarrow$ & own \\" in latex_text(table)
 
 
-WIDE = tuple(f"Quantity_{name}" for name in "abcdefghijklmno")
-
-
-def wide_and_long() -> Table:
-    cells = tuple(f"{place}.{place:04d} ± 99.9" for place in range(len(WIDE)))
-    rows = tuple(Row(f"{i} m", cells, best=frozenset({14}), group=str(i // 9)) for i in range(40))
-    return Table("w", "W", WIDE, rows, ("once",), ("items/node",) * 15, better=(1,) * 15)
-
-
-def test_wide_long_tables_come_in_parts_that_hold_every_column_once() -> None:
-    text = latex_text(wide_and_long())
-    parts = text.split("\\begin{longtable}")[1:]
-    assert len(parts) > 1
-    for number, name in enumerate("abcdefghijklmno"):
-        holders = [p for p in parts if f"Quantity\\textsubscript{{{name}}}" in p]
-        assert len(holders) == 1
-        assert holders[0].count(f"{number}.{number:04d}") == 40, "the numbers of that column"
-    assert parts[-1].count(r"\textbf{14.0014}") == 40
-    assert not any("textbf" in part for part in parts[:-1])
-    assert len(set(re.findall(r"label\{(.*?)\}", text))) == len(parts), "no label twice"
-    assert r"\label{tab:w}" in parts[0]
-    assert text.count("once") == 1
-
-
-@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="needs pdflatex")
-def test_wide_long_tables_fit_a_portrait_page(tmp_path: Path) -> None:
-    write_table(wide_and_long(), tmp_path, ["latex"])
-    packages = "[T1]{fontenc}\\usepackage{array,booktabs,graphicx,longtable}"
-    whole = f"\\documentclass{{article}}\\usepackage{packages}\\begin{{document}}\\input{{w}}"
-    (tmp_path / "all.tex").write_text(whole + "\\end{document}")
-    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "all.tex"]
-    for _ in range(3):  # longtable finds its widths over runs
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
-        assert done.returncode == 0, done.stdout.decode(errors="replace")[-2000:]
-    assert "Overfull \\hbox" not in done.stdout.decode(errors="replace")
+def test_long_tables_come_in_floats_that_hold_every_row_once() -> None:
+    names = [f"row {number:03d}" for number in range(60)]
+    rows = tuple(Row(name, ("1",)) for name in names)
+    text = latex_text(Table("t", "T", ("a",), rows, ("once",)))
+    parts = text.split("\\begin{table}")[1:]
+    assert len(parts) == 2 and text.count("label{tab:t}") == text.count("once") == 1
+    assert all(text.count(name) == 1 for name in names)
+    wide = Table("w", "W", ("a",) * 5, (Row("x", ("1.5 ± 2.5",) * 5),) * 30)
+    assert latex_text(wide).count("begin{tabular}") == 2, "two lines a row"
+    assert all(r"\toprule" in part and r"\bottomrule" in part for part in parts)
 
 
 def test_markdown_has_a_cell_per_column_and_the_best_in_bold() -> None:
