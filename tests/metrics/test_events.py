@@ -1,12 +1,9 @@
 """The event table accepts what can have happened and names what cannot."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from mjforage.metrics import EventTable, counts_by_step
 
@@ -88,15 +85,3 @@ def test_counts_by_hand() -> None:
 def test_counts_reject(times: Any, horizon: int) -> None:
     with pytest.raises(ValueError, match=r"needed|NaN for never"):
         counts_by_step(times, horizon)
-
-
-@given(st.integers(0, 10_000))
-def test_counts_never_fall_and_ignore_the_batch(
-    random_events: Callable[..., EventTable], seed: int
-) -> None:
-    times = random_events(seed).discovered_at
-    counts = counts_by_step(times, 30)
-    assert (np.diff(counts, axis=-1) >= 0).all()
-    np.testing.assert_array_equal(counts[:, -1], (~np.isnan(times)).sum(axis=-1))
-    for episode, row in enumerate(times):
-        np.testing.assert_array_equal(counts_by_step(row, 30), counts[episode])

@@ -5,19 +5,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
 from hypothesis import strategies as st
 
 from mjforage.metrics import (
     EventTable,
-    counts_by_step,
     csr,
     csr_series,
     dsl,
     itl,
     itl_level,
     mean_dsl,
-    pta_series,
 )
 
 NAN = np.nan
@@ -120,50 +117,3 @@ def test_itl_rejects(metric: Callable[..., Any]) -> None:
         metric([0, 1, 2], [0, 1])
     with pytest.raises(ValueError, match="horizon 0"):
         metric([0], [0])
-
-
-@given(SEEDS)
-def test_bounds_and_last_values(random_events: Build, seed: int) -> None:
-    events = random_events(seed)
-    latency, share = dsl(events, SCOUTS, 30), csr(events, SCOUTS)
-    for values in (latency, share, csr_series(events, SCOUTS, 30)):
-        defined = values[~np.isnan(values)]
-        assert ((defined >= 0) & (defined <= 1)).all()
-    np.testing.assert_array_equal(csr_series(events, SCOUTS, 30)[:, -1], share)
-
-
-@given(SEEDS)
-def test_itl_bounds_symmetry_and_scale(random_events: Build, seed: int) -> None:
-    events = random_events(seed)
-    found = counts_by_step(events.discovered_at, 30)
-    taken = counts_by_step(events.collected_at, 30)
-    exists = np.ones_like(events.exists)
-    percent = [pta_series(at, exists, 30) for at in (events.discovered_at, events.collected_at)]
-    for metric in (itl, itl_level):
-        lag = metric(found, taken)
-        assert ((lag >= 0) & (lag <= 1)).all()
-        np.testing.assert_array_equal(lag, metric(taken, found))
-        np.testing.assert_array_equal(lag, metric(*percent))
-
-
-@given(SEEDS)
-def test_renaming_agents_changes_nothing(random_events: Build, seed: int) -> None:
-    events = random_events(seed)
-    name = np.append(np.random.default_rng(seed).permutation(5), -1)  # index -1 stays -1
-    renamed = EventTable(
-        events.discovered_at,
-        name[events.discovered_by],
-        events.collected_at,
-        name[events.collected_by],
-        events.exists,
-    )
-    np.testing.assert_array_equal(csr(renamed, name[SCOUTS]), csr(events, SCOUTS))
-    np.testing.assert_array_equal(dsl(renamed, name[SCOUTS], 30), dsl(events, SCOUTS, 30))
-
-
-@given(SEEDS)
-def test_csr_adds_up_over_scouts(random_events: Build, seed: int) -> None:
-    events = random_events(seed)
-    np.testing.assert_allclose(csr(events, [0]) + csr(events, [1]), csr(events, SCOUTS))
-    collected = ~np.isnan(events.collected_at).all(axis=-1)
-    np.testing.assert_array_equal(csr(events, range(5))[collected], 1.0)

@@ -67,25 +67,6 @@ def test_two_segments_are_the_global_optimum(seed: int) -> None:
     assert levels[0] < fit.break_point < levels[-1]
 
 
-@given(SEEDS, st.floats(0.1, 10.0), st.floats(-5.0, 5.0))
-def test_fits_follow_unit_and_offset(seed: int, factor: float, offset: float) -> None:
-    curve = np.random.default_rng(seed).normal(size=11).cumsum()
-    levels = np.linspace(0.0, 1.0, 11)
-    plain, moved = (sensitivity_slope(levels, y) for y in (curve, factor * curve + offset))
-    np.testing.assert_allclose(moved.slope, factor * plain.slope, rtol=1e-6, atol=1e-8)
-    np.testing.assert_allclose(moved.low, factor * plain.low, rtol=1e-6, atol=1e-8)
-
-
-def test_batches_are_fitted_row_by_row() -> None:
-    curves = np.random.default_rng(0).normal(size=(2, 3, 21)).cumsum(axis=-1)
-    together = two_segment_fit(LEVELS, curves)
-    assert together.break_point.shape == (2, 3)
-    for row in np.ndindex(2, 3):
-        alone = two_segment_fit(LEVELS, curves[row])
-        np.testing.assert_allclose(together.break_point[row], alone.break_point)
-        np.testing.assert_allclose(together.sse[row], alone.sse)
-
-
 @pytest.mark.parametrize(
     ("levels", "means", "message"),
     [
@@ -214,15 +195,6 @@ def test_few_noisy_episodes_prove_no_break() -> None:
         break_test(LEVELS, episodes_about(BENT, s, noise=200.0), s, resamples=200) for s in range(9)
     ]
     assert np.mean([one.p < 0.05 for one in found]) < 0.5
-
-
-def test_the_test_follows_unit_and_offset_and_repeats() -> None:
-    values = episodes_about(BENT, 3, noise=30.0)
-    plain = break_test(LEVELS, values, 1, resamples=200)
-    moved = break_test(LEVELS, 0.01 * values + 7.0, 1, resamples=200)
-    assert moved.f == pytest.approx(plain.f)
-    assert moved.p == plain.p
-    assert break_test(LEVELS, values, 1, resamples=200) == plain
 
 
 def test_what_cannot_be_tested_is_undefined() -> None:

@@ -60,28 +60,7 @@ def test_agree_with_scipy(sample: list[float]) -> None:
     np.testing.assert_allclose(iqm(sample), trimmed, rtol=1e-9, atol=1e-6)
 
 
-@given(SAMPLES, st.integers(0, 5), st.randoms())
-def test_undefined_values_and_order_do_not_matter(
-    sample: list[float], gaps: int, random: Any
-) -> None:
-    mixed = sample + [NAN] * gaps
-    random.shuffle(mixed)
-    for statistic in ALL:
-        expected = statistic(sample)
-        np.testing.assert_allclose(statistic(mixed), expected, rtol=1e-9, atol=1e-6)
-
-
 @given(SAMPLES)
 def test_bounds(sample: list[float]) -> None:
     for centre in (mean(sample), iqm(sample)):
         assert min(sample) - 1e-6 <= centre <= max(sample) + 1e-6
-
-
-@pytest.mark.parametrize("statistic", ALL)
-def test_batch_is_row_by_row(statistic: Callable[[Any], Any]) -> None:
-    values = np.random.default_rng(0).normal(size=(2, 3, 17))
-    values[0, 1, :5] = NAN
-    together = statistic(values)
-    assert together.shape == (2, 3)
-    for row in np.ndindex(2, 3):
-        np.testing.assert_allclose(together[row], statistic(values[row]), rtol=1e-14)

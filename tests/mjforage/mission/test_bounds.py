@@ -153,20 +153,3 @@ def test_tables_mark_bounds_and_pick_the_best_without_them(
     assert {row.group for row in paired.rows} >= {"greedy − oracle (bound)"} or {
         row.group for row in paired.rows
     } >= {"oracle (bound) − greedy"}
-
-
-def test_a_batch_that_took_in_other_episodes_is_told_their_drift() -> None:
-    """As vector environments do, whose central critics are told the truth."""
-    setup = Setup.of(load_scenario("comb-port", ["horizon=5"]))
-    mission, spare = Mission(setup), Mission(setup)
-    mission.reset(0, np.arange(3))
-    spare.reset(0, np.arange(7, 8))
-    own = mission.truth.drift_rc.copy()
-    np.testing.assert_array_equal(own, mission.initial.drift_rc)
-    mission.replace_episodes(np.array([1]), spare)
-    expected = own.copy()
-    expected[1] = spare.initial.drift_rc[0]
-    assert (expected != own).any()
-    np.testing.assert_array_equal(mission.truth.drift_rc, expected)
-    np.testing.assert_array_equal(mission.truth.item_drift_rc[:, 0], expected)
-    np.testing.assert_array_equal(mission.node_drift_rc[:, -1], expected)

@@ -7,7 +7,6 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.controllers import quayside
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.capture_chances import (
     Chances,
     chances_from,
@@ -238,31 +237,3 @@ def test_a_scenario_gives_its_collectors_the_chances_of_their_vessels() -> None:
 def test_what_cannot_be_calibrated_is_named(override: str, words: str) -> None:
     with pytest.raises(UserError, match=words):
         Mission(Setup.of(load_scenario("comb-port", ["rules.capture=calibrated", override])))
-
-
-def test_what_is_taken_does_not_hang_on_the_batch() -> None:
-    """Episodes of other lengths and numbers of items beside it, or nobody."""
-    setup = Setup.of(load_scenario("comb-port", ["rules.capture=calibrated", "horizon=40"]))
-    logs = {}
-    for episodes in ([0, 1, 2, 3], [2]):
-        mission = Mission(setup)
-        mission.reset(7, np.array(episodes))
-        mission.run(create_policy("greedy"))
-        at, state = episodes.index(2), mission.state
-        count = mission.initial.n_items[at]
-        logs[len(episodes)] = state.collected_by[at, :count].copy(), state.agent_node[at].copy()
-    assert (logs[4][0] == logs[1][0]).all() and (logs[4][1] == logs[1][1]).all()
-    assert (logs[1][0] >= 0).sum() > 5
-
-
-def test_an_adopted_episode_goes_on_as_in_its_own_batch() -> None:
-    """Its forager has tried twice; beside it one that has not tried yet."""
-    table = chances(NEVER)
-    table.first[..., 2] = ALWAYS
-    tried, old = started(table, [(0.0, 0.25)])
-    for step in (1, 2):
-        advance(tried, old, step)
-    rule, state = started(table, [(0.0, 0.25)], 2)
-    rule.replace_episodes(np.array([1]), tried, state)
-    advance(rule, state, 3)
-    assert state.pickup[:, 0].tolist() == [MISSED, TAKEN]

@@ -155,16 +155,6 @@ def test_nodes_around_keeps_the_given_ones_first() -> None:
     assert around.tolist() == [61, 1, 60, 62, 121]
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_world_is_the_same_alone_and_in_company(seed: int) -> None:
-    keys = episode_keys(seed, np.arange(40))
-    whole = create_initial_state(OPEN, Items(), Weather(), 0.4, NOBODY, 3, keys)
-    alone = create_initial_state(OPEN, Items(), Weather(), 0.4, NOBODY, 3, keys[17:18])
-    k = int(alone.n_items[0])
-    np.testing.assert_array_equal(alone.item_rc[0], whole.item_rc[17, :k])
-    np.testing.assert_array_equal(alone.agent_node[0], whole.agent_node[17])
-
-
 def test_several_hotspots_share_the_items_and_one_is_the_default() -> None:
     starts = np.arange(4, dtype=np.int32)
     one, two = (

@@ -86,19 +86,6 @@ def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
         assert (log.t_collected == -1).all() and (log.length == 40).all()
 
 
-def test_an_episode_ends_when_no_item_is_left_and_its_series_are_padded() -> None:
-    setup = setup_of("open-bay", "items.mean=1", "items.std=0", "horizon=150")
-    scorer, mission = played(setup, "greedy", np.arange(30))
-    log, courses = scorer.log, scorer.scores().courses
-    assert (mission.ledger.entries.truth[log.length < 150] == 0).all()
-    ended = np.flatnonzero(log.length < 150)
-    assert ended.size > 10
-    for e in ended:
-        assert log.t_collected[e, 0] == log.length[e]
-        assert (courses["mi"][e, log.length[e] :] == courses["mi"][e, log.length[e]]).all()
-        assert courses["rmse"][e, -1] == courses["rmse"][e, log.length[e]]
-
-
 def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> None:
     setup = setup_of("comb-port", "items.mean=2000", "items.std=0")
     mission = Mission(setup)

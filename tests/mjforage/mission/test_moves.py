@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
-from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver, all_targets, free_move
+from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver, free_move
 from mjforage.scenario.fleet import Fleet, Role
 from tests.graph_planner.charts import grid
 
@@ -229,24 +229,6 @@ def test_bad_preferences_are_refused(fault: str, words: str) -> None:
     energy, belief = np.full((1, 1), np.inf), np.zeros((1, 25), np.int16)
     with pytest.raises(UserError, match=words):
         resolver(np.ones(1, np.bool_), preferences, node, energy, belief, step, keys)
-
-
-@pytest.mark.parametrize("stay", [False, True])
-@pytest.mark.parametrize("shorten", [False, True])
-def test_the_table_of_targets_is_where_free_moves_end(stay: bool, shorten: bool) -> None:
-    graph = navigation_graph(grid(".....", "..#..", "....."), 1.0, False)
-    strides, rules = np.array([1, 2]), MoveRules(stay, shorten)
-    (number, table), nobody = all_targets(graph, np.array([2, 1, 2]), rules), np.empty(0, np.int64)
-    assert number.tolist() == [1, 0, 1]
-    for i, stride in enumerate(strides):
-        for node in range(len(graph)):
-            for move in range(9):
-                end, _ = free_move(graph.neighbours, nobody, -1, node, move, stride, stay, shorten)
-                assert table[i, node, move] == end
-    middle = int(graph.node_of_cell[1, 1])  # land to the east of it
-    assert table[0, middle, 2] == -1
-    west = int(graph.node_of_cell[1, 0])  # one node of water, then land
-    assert table[1, west, 2] == (middle if shorten else -1)
 
 
 @pytest.mark.parametrize("place", [(0, 1, 8), (1, 0, 0), (1, 1, 8)])

@@ -11,13 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.base.randomness import UInt64Array, episode_keys
+from mjforage.base.randomness import UInt64Array
 from mjforage.base.views import CachedViews, read_only
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.core import EnvironmentCore
-from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.learning.environments.rewards import RewardTerms
-from mjforage.learning.environments.rewards.term import Amounts, Step
 from mjforage.mission.mission import Mission
 from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
 from mjforage.mission.mission_metrics.scoring import Scorer
@@ -25,7 +21,6 @@ from mjforage.mission.setup import Setup
 from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
-from mjforage.testing.two_owners import TwoOwners
 
 OWN = ("mjforage",)
 SCRATCH = ("workspace",)  # room for searches, which is there to be written to
@@ -146,34 +141,6 @@ def test_policies_bounds_and_metrics_can_write_to_nothing(
     assert writable(mission) == []
 
 
-def test_a_fleet_in_another_s_exchange_cannot_be_written_to() -> None:
-    setup = Setup.of(load_scenario("comb-port", ["horizon=3"]))
-    mission, policy = Mission(setup, exchange=TwoOwners()), Listing(decentralised=True)
-    mission.reset(0, np.arange(2))
-    mission.run(policy)
-    assert policy.found == []
-
-
-class ListingTerm:
-    found: ClassVar[list[str]] = []
-
-    def __call__(self, step: Step) -> Amounts:
-        self.found.extend(writable(step))
-        return np.zeros(step.mission.state.agent_node.shape)
-
-
-@pytest.mark.parametrize(("world", "overrides"), MISSIONS)
-def test_reward_terms_can_write_to_nothing(world: str, overrides: tuple[str, ...]) -> None:
-    mission, guide = mission_of(world, overrides), create_policy("greedy")
-    terms = RewardTerms(mission.setup.task, [f"{__name__}:ListingTerm", "approach"])
-    mission.prepare(guide)
-    while mission.active.any():
-        assert writable(terms.before(mission)) == []
-        mission.advance(mission.ask(guide))
-        terms.after(mission, mission.active)
-    assert ListingTerm.found == []
-
-
 def test_a_batch_that_took_in_other_episodes_can_not_be_written_to() -> None:
     """As vector environments do."""
     mission, spare = mission_of("graph", RADIO), mission_of("graph", RADIO, episodes=1)
@@ -186,90 +153,6 @@ def test_a_batch_that_took_in_other_episodes_can_not_be_written_to() -> None:
     mission.advance(mission.ask(guide))
     assert mission.held.step.tolist() == [3] * 4 + [2] * 4
     assert mission.knowledge.agent_seen.max(axis=1).tolist() == [2, 1], "views are of the new rows"
-
-
-class ListingEncoder:
-    """An encoder that lists what it could write to."""
-
-    shapes: ClassVar[dict[str, tuple[int, ...]]] = {"nothing": (1,)}
-    found: ClassVar[list[str]] = []
-
-    def __init__(self, task: Task) -> None:
-        self.found.extend(writable(task))
-
-    def reset(self, rows: int) -> None:
-        self.rows = rows
-
-    def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
-        self.found.extend([*writable(seen), "looked"])
-        return {"nothing": np.zeros((self.rows, seen.agent_node.shape[1], 1), np.uint8)}
-
-
-def test_encoders_see_what_can_not_be_written_to() -> None:
-    options = EnvironmentOptions(
-        scenario="comb-port", set=("horizon=4", *RADIO), observation=f"{__name__}:ListingEncoder"
-    )
-    ListingEncoder.found.clear()
-    game = EnvironmentCore(options)
-    game.start(np.zeros(1, np.int64), episode_keys(0, np.zeros(1, np.int64)))
-    game.see(np.zeros(1, np.int64))
-    assert ListingEncoder.found == ["looked"]
-
-
-class Ending:
-    """Ends the episodes, as in the issue."""
-
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        self.shape = keys.size, len(task.fleet), 9
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        observation.active[...] = 0
-        return np.zeros(self.shape)
-
-
-class Dreaming(Ending):
-    """Rewrites what the fleet knows, which ended the process."""
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        observation.belief[:] = 3
-        return np.zeros(self.shape)
-
-
-class Widening(Ending):
-    """Rewrites the map that all policies of a run share."""
-
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        super().reset(task, keys)
-        task.graph.neighbours[:] = 5
-
-
-class Moving(Ending):
-    """A bound that moves the items."""
-
-    def set_ground_truth(self, truth: GroundTruth) -> None:
-        truth.item_node[:] = 5
-
-
-class Unlocking(Ending):
-    """Asks numpy to let it write after all."""
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        with pytest.raises(ValueError, match="cannot set WRITEABLE flag"):
-            observation.agent_node.setflags(write=True)
-        return super().act(observation)
-
-
-@pytest.mark.parametrize("policy", [Ending, Dreaming, Widening, Moving, Unlocking])
-@pytest.mark.parametrize(("world", "overrides"), MISSIONS)
-def test_who_writes_is_stopped(
-    policy: type[Ending], world: str, overrides: tuple[str, ...]
-) -> None:
-    mission = mission_of(world, overrides)
-    before = [part.copy() for part in mission.held]
-    with pytest.raises(ValueError, match="assignment destination is read-only"):
-        mission.run(policy())
-    for one, other in zip(before, mission.held, strict=True):
-        np.testing.assert_array_equal(one, other)
 
 
 DREAMING = """

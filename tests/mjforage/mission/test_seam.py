@@ -20,7 +20,6 @@ from mjforage.mission.policy import Policy
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import Observation, Task, no_delayed_scans
 from mjforage.scenario.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
-from tests.brief_policies import brief_policies
 
 PLANNING = ("belief", "greedy", "ddqn")
 SWEEPERS = {"count": 2, "moves": 1, "radius": 3.0, "collects": True, "capacity": 4}
@@ -106,44 +105,6 @@ def test_a_third_role_is_a_row_in_a_scenario(policy: str) -> None:
     some = taken.sum(axis=1) > 0  # inequality and share of nothing are undefined
     assert np.isfinite(scores["gini_foragers"][some]).all()
     assert np.isfinite(scores["csr"][some]).all() and some.any()
-
-
-@pytest.mark.parametrize("policy", brief_policies())
-def test_four_holders_that_hear_everything_are_one_to_the_bit(policy: str) -> None:
-    setup = setup_of({})
-    one = played(setup, policy)
-    four = played(setup, policy, Groups(range(4), [[1] * 4] * 4))
-    for name in ("agent_node", "direction", "t_discovered", "discovered_by", "collected_by"):
-        np.testing.assert_array_equal(getattr(four.log, name), getattr(one.log, name))
-    courses = four.scores().courses
-    for name, course in one.scores().courses.items():
-        if name in {"position_age", "disagreement"}:  # of one owner they are undefined
-            assert np.isnan(course).all() and (courses[name] == 0.0).all()
-        elif name == "rmse_holders":
-            np.testing.assert_allclose(courses[name], courses["rmse"], rtol=1e-12)
-        else:
-            np.testing.assert_array_equal(courses[name], course)
-
-
-@pytest.mark.parametrize("policy", PLANNING)
-def test_who_hears_only_itself_knows_only_what_it_saw(policy: str) -> None:
-    """Scouts hold one knowledge, foragers another: neither learns what the others saw."""
-    setup = setup_of({})
-    exchange = Groups([0, 0, 1, 1], [[1, 1, 0, 0], [0, 0, 1, 1]])
-    mission = Mission(setup, exchange=exchange)
-    mission.reset(5, np.arange(3))
-    mission.run(create_policy(policy))
-    own, pooled, now = exchange.knowledge, mission.knowledge, mission.step[:, None]
-    seen = own.last_seen.reshape(3, 2, -1)
-    np.testing.assert_array_equal(seen.max(axis=1), pooled.last_seen)
-    assert (seen[:, 1] < seen[:, 0]).any() and (seen[:, 0] < seen[:, 1]).any()
-    at, received = own.agent_node.reshape(3, 2, 4), own.agent_seen.reshape(3, 2, 4)
-    for owner, agents, others in ((0, [0, 1], [2, 3]), (1, [2, 3], [0, 1])):
-        np.testing.assert_array_equal(at[:, owner, agents], mission.state.agent_node[:, agents])
-        assert (received[:, owner, agents] == now).all() and (received[:, owner, others] == 0).all()
-        np.testing.assert_array_equal(
-            at[:, owner, others], mission.initial.agent_node[:, others], "where they started"
-        )
 
 
 class Thinned(Setup):
@@ -233,25 +194,3 @@ def test_a_relay_is_a_role_and_a_way_to_hear() -> None:
     age = mission.step[:, None] - exchange.knowledge.agent_seen.reshape(20, 2, 5)[:, 1, :2]
     assert (age == 0).any() and (age > 0).any(), "some foragers receive the scouts at the end"
     assert (age[:, 0] == age[:, 1]).all()
-
-
-def test_episodes_are_adopted_with_what_each_holder_knows() -> None:
-    setup = setup_of({})
-    both = [
-        Mission(setup, exchange=Groups([0, 0, 1, 1], [[1, 1, 0, 0], [0, 0, 1, 1]]))
-        for _ in range(2)
-    ]
-    for mission, episodes in zip(both, (np.arange(3), np.array([7])), strict=True):
-        mission.reset(5, episodes)
-        policy = create_policy("greedy")
-        mission.prepare(policy)
-        for _ in range(6):
-            mission.advance(mission.ask(policy))
-    into, source = both
-    kept = into.exchange.knowledge.belief[[0, 1, 4, 5]]
-    into.replace_episodes(np.array([1]), source)
-    np.testing.assert_array_equal(
-        into.exchange.knowledge.belief[2:4], source.exchange.knowledge.belief
-    )
-    np.testing.assert_array_equal(into.exchange.knowledge.belief[[0, 1, 4, 5]], kept)
-    np.testing.assert_array_equal(into.ledger.entries.truth[1], source.ledger.entries.truth[0])

@@ -49,17 +49,6 @@ def played(setup: Setup, policy: str, episodes: tuple[int, ...] = (0, 1, 2)) -> 
     }
 
 
-@pytest.mark.parametrize("link", [(), (*DISK, "link.range_m=40", "link.latency=2")])
-def test_an_episode_is_the_same_alone(link: tuple[str, ...]) -> None:
-    setup = setup_of(*EYES, "sensors.map=filtered", *link)
-    whole, alone = played(setup, "belief"), played(setup, "belief", (1,))
-    for name, values in alone.items():
-        wide = whole[name][1:2]
-        if name in ("discovered", "collected"):  # padded to the largest episode
-            wide = wide[:, : values.shape[1]]
-        np.testing.assert_array_equal(values, wide, err_msg=name)
-
-
 class Thinned(Setup):
     """A setup in which some items do not exist."""
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.mission.setup import Setup
 from mjforage.physics.manoeuvre import parse_flow
@@ -37,11 +36,3 @@ def test_an_oblique_flow_is_counter_clockwise_from_east() -> None:
     """2 m/s at 30 degrees: the root of 3 to the east, 1 to the north."""
     assert parse_flow("2@30", "--wind") == pytest.approx((np.sqrt(3.0), 1.0))
     assert parse_flow("2@-60", "--current") == pytest.approx((1.0, -np.sqrt(3.0)))
-
-
-@pytest.mark.parametrize("key", ["wind_from_deg", "current_toward_deg"])
-@pytest.mark.parametrize("degrees", [-361, 400])
-def test_more_than_a_turn_is_refused(key: str, degrees: int) -> None:
-    words = f"weather.{key} = {degrees} is out of range; give -360 to 360"
-    with pytest.raises(UserError, match=words):
-        load_scenario("open-bay", (f"weather.{key}={degrees}", "weather.wind_speed_mps=5"))

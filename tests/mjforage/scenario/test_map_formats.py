@@ -346,18 +346,6 @@ def test_as_many_cells_as_a_map_may_have_are_more_than_any_machine_plays() -> No
     assert 6000 * 6000 < MOST_CELLS < 13_300 * 13_300
 
 
-def test_colours_are_read_in_bands_as_in_one(read: Read) -> None:
-    noise = np.random.default_rng(4).integers(0, 256, (600, 7, 4), np.uint8)
-    noise[..., 3] |= 128
-    shown = Image.alpha_composite(
-        Image.new("RGBA", (7, 600), "white"), Image.fromarray(noise)
-    ).convert("L")
-    light = np.asarray(shown) >= 128
-    assert read("noise.png", image(noise, "PNG")) == [
-        "".join("01"[int(cell)] for cell in row) for row in light
-    ]
-
-
 def test_a_large_map_says_what_it_will_cost(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -98,17 +98,6 @@ def test_loaded_map_cannot_be_changed() -> None:
         load_map("comb_port").navigable[0, 0] = True
 
 
-@pytest.mark.parametrize("separator", [",", ";", "\t", " ", "  ", ", ", " ; "])
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-@pytest.mark.parametrize(("before", "after"), [("", ""), ("\ufeff", "\n\n"), ("", " \n")])
-def test_common_spellings_of_a_table_load(
-    write: WriteMap, separator: str, end: str, before: str, after: str
-) -> None:
-    grid = load_map(write(before + table(SMALL, separator, end) + after))
-    assert grid.name == "harbour.csv"
-    assert np.array_equal(grid.navigable, SMALL)
-
-
 @pytest.mark.parametrize("pattern", ["%d", "%.1f", "%.18e", "%+g"])
 def test_numpy_savetxt_loads(tmp_path: Path, pattern: str) -> None:
     path = tmp_path / "harbour.txt"
@@ -183,29 +172,6 @@ def test_separate_components_are_counted_and_the_largest_offered(
     assert "3 of 6 nodes lie outside the largest of 3 components" in caplog.text
 
 
-@pytest.mark.parametrize("suffix", ["png", "bmp", "gif", "jpg"])
-def test_image_round_trip(tmp_path: Path, suffix: str) -> None:
-    path = tmp_path / f"harbour.{suffix}"
-    cells = load_map("open_bay").navigable
-    Image.fromarray(np.where(cells, 255, 0).astype(np.uint8)).save(path, quality=100)
-    assert np.array_equal(load_map(str(path)).navigable, cells)
-
-
-@pytest.mark.parametrize(
-    ("water", "told"), [((40, 90, 200), True), ((250, 250, 250), False), ((250, 240, 225), False)]
-)
-def test_colours_of_an_image_are_told_of(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture, water: tuple[int, int, int], told: bool
-) -> None:
-    image = Image.new("RGB", (10, 10), "white")
-    image.paste(water, (0, 0, 10, 4))
-    image.save(tmp_path / "chart.png")
-    load_map(str(tmp_path / "chart.png"))
-    words = "map chart.png: 40 % of its pixels are coloured, and colours count by lightness alone"
-    assert (words in caplog.text) == told
-    assert ("60 % of all are light" in caplog.text) == told
-
-
 def _image(mode: str) -> Image.Image:
     """One light and one dark pixel, as near to the threshold as the mode allows."""
     if mode == "I;16":
@@ -233,32 +199,6 @@ NO_PIXELS = b"GIF89a" + bytes(7) + b"\x2c" + bytes(9) + b"\x02\x00\x3b"
 def test_bad_image_is_named(write: WriteMap, content: bytes) -> None:
     with pytest.raises(UserError, match=r"map harbour\.png: is no image, or one of size 0, or dam"):
         load_map(write(content, "harbour.png"))
-
-
-def test_truncated_image_is_named(write: WriteMap, tmp_path: Path) -> None:
-    whole = tmp_path / "whole.png"
-    noise = np.random.default_rng(1).integers(0, 256, (50, 50), np.uint8)
-    Image.fromarray(noise).save(whole)
-    with pytest.raises(UserError, match=r"map cut\.png: cannot be read as an image"):
-        load_map(write(whole.read_bytes()[:700], "cut.png"))
-
-
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(cells=grids, corner_cutting=st.booleans())
-def test_any_grid_loads_or_is_a_user_error(
-    write: WriteMap, cells: Cells, corner_cutting: bool
-) -> None:
-    file = write(table(cells))
-    whole = components_oracle(cells, corner_cutting) == 1
-    if whole:
-        assert np.array_equal(load_map(file, corner_cutting=corner_cutting).navigable, cells)
-    else:
-        with pytest.raises(UserError):
-            load_map(file, corner_cutting=corner_cutting)
-    if cells.any():
-        kept = load_map(file, corner_cutting=corner_cutting, largest_component=True).navigable
-        assert components_oracle(kept, corner_cutting) == 1
-        assert not (kept & ~cells).any()
 
 
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -302,15 +242,6 @@ def reached_oracle(
                 reached.add(rc)
                 queue.append(rc)
     return reached
-
-
-def components_oracle(cells: Cells, cutting: bool) -> int:
-    left = {(int(r), int(c)) for r, c in np.argwhere(cells)}
-    count = 0
-    while left:
-        left -= reached_oracle(cells, next(iter(left)), 1, True, cutting)
-        count += 1
-    return count
 
 
 @settings(max_examples=150)

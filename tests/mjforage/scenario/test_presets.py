@@ -21,19 +21,6 @@ def test_preset_loads_onto_its_map_and_is_described(name: str) -> None:
     assert len(Setup.of(scenario).fleet) == 4
 
 
-def test_presets_are_those_of_the_project() -> None:
-    assert preset_names() == [
-        "channels",
-        "comb-port",
-        "comb-port-radio",
-        "comb-port-weather",
-        "comb-port-wind-5",
-        "comb-port-wind-8",
-        "open-bay",
-        "published",
-    ]
-
-
 def test_default_preset_has_the_numbers_of_the_paper() -> None:
     scenario = load_scenario("comb_port")
     scouts, foragers = scenario.team["scouts"], scenario.team["foragers"]

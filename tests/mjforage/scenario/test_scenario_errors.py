@@ -181,18 +181,6 @@ PLAIN = st.recursive(
 )
 
 
-@settings(max_examples=200, deadline=None)
-@given(st.sampled_from(("map", "team", "items", "horizon", "corruption", "name", "?")), PLAIN)
-def test_any_tree_gives_a_scenario_or_a_clear_error(key: str, value: object) -> None:
-    tree = scenario_to_tree(load_scenario("comb-port")) | {key: value}
-    try:
-        scenario = scenario_from_tree(tree, "tree")
-    except UserError as error:
-        assert str(error).startswith("tree: ")
-        return
-    assert isinstance(scenario, Scenario)
-
-
 def test_a_scenario_file_without_its_ending_is_offered(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -38,16 +38,6 @@ def test_canonical_json_tells_the_order_of_teams(tmp_path: Path) -> None:
     assert canonical_json(scenario_to_tree(load_scenario(swapped))) != text
 
 
-def test_absent_tables_take_their_defaults_and_teams_have_any_name(tmp_path: Path) -> None:
-    scenario = load_scenario(write(tmp_path, MINIMAL))
-    assert list(scenario.team) == ["pilots", "skimmers"]
-    assert scenario.team["skimmers"].capacity == 30
-    assert scenario.team["pilots"].radius == 6.0
-    assert isinstance(scenario.team["pilots"].radius, float)
-    assert (scenario.horizon, scenario.map.starts) == (150, None)
-    assert Setup.of(scenario).fleet.names == ("pilots_0", "skimmers_0", "skimmers_1")
-
-
 def test_overrides_apply_in_order_and_create_tables() -> None:
     scenario = load_scenario(
         "comb-port",

@@ -8,11 +8,8 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.exchange import Ideal
-from mjforage.mission.knowledge import Knowledge
 from mjforage.mission.link import Radio
-from mjforage.mission.link.propagation import two_ray_loss_db
 from mjforage.mission.mission import Mission
-from mjforage.mission.scan_log import take_in
 from mjforage.mission.task import Observation, Task
 from mjforage.scenario.scenario_file import load_scenario
 from tests.brief_policies import brief_policies
@@ -54,46 +51,6 @@ def ages(radio: Radio, mission: Mission) -> NDArray[np.float64]:
     agents = radio.owners
     seen = radio.knowledge.agent_seen.reshape(-1, agents, agents)
     return (mission.step[:, None, None] - seen).astype(np.float64)
-
-
-@pytest.mark.parametrize(("loss", "latency"), [(0.0, 3), (0.6, 0), (0.6, 2), (0.9, 0)])
-def test_the_age_of_positions_is_that_of_a_geometric_wait(loss: float, latency: int) -> None:
-    """L + q / (1 - q) where nobody passes on what others saw."""
-    keys = (DISK, f"link.loss={loss}", f"link.latency={latency}", "link.relay=false")
-    mission, radio = started(setup_of("horizon=150", "items.mean=300", *keys), 30)
-    others, found = ~np.eye(radio.owners, dtype=bool), []
-    advanced(mission, "random", 60)
-    for _ in range(20):
-        advanced(mission, "random", 3)
-        found.append(ages(radio, mission)[:, others].mean())
-    expected = latency + loss / (1.0 - loss)
-    assert np.mean(found) == pytest.approx(expected, abs=0.02 + 0.06 * expected)
-
-
-def test_relays_shorten_the_wait() -> None:
-    keys = ("horizon=150", "items.mean=300", DISK, "link.loss=0.9")
-    old = []
-    for relay in ("true", "false"):
-        mission, radio = started(setup_of(*keys, f"link.relay={relay}"), 20)
-        advanced(mission, "random", 80)
-        old.append(ages(radio, mission).mean())
-    assert old[0] < 0.8 * old[1]
-
-
-@pytest.mark.parametrize(("burst", "correlation"), [(10.0, 0.75), (1.0, 0.0)])
-def test_losses_come_in_bursts(burst: float, correlation: float) -> None:
-    """Gilbert and Elliott: share .6, r .1, p .15; lag-1 correlation 1 - p - r."""
-    keys = ("horizon=150", "items.mean=300", DISK, "link.loss=0.6", f"link.burst={burst}")
-    mission, radio = started(setup_of(*keys), 60)
-    states = [radio.net.contacts.bad.copy()]
-    for _ in range(100):
-        advanced(mission, "random", 1)
-        states.append(radio.net.contacts.bad.copy())
-    bad = np.array(states, np.float64)
-    assert bad[0].mean() == pytest.approx(0.6, abs=0.04), "stationary from the start"
-    assert bad.mean() == pytest.approx(0.6, abs=0.02)
-    before, after = bad[:-1] - bad.mean(), bad[1:] - bad.mean()
-    assert (before * after).mean() / bad.var() == pytest.approx(correlation, abs=0.03)
 
 
 def test_shadowing_is_alike_both_ways_and_cuts_its_share() -> None:
@@ -155,71 +112,6 @@ def test_news_goes_one_hop_in_a_decision() -> None:
     steps = [s for s, a in zip(delayed.step[last], delayed.agent[last], strict=True) if a == first]
     assert steps == [0], "and it is told as late"
     assert (delayed.step < mission.step[0]).all(), "what is seen now is not"
-
-
-@pytest.mark.parametrize(("key", "most"), [("link.bytes=12", 12), ("link.cells=3", 18)])
-def test_budgets_are_kept_and_charged_before_losses(key: str, most: int) -> None:
-    """12 bytes are one scan with two occupied nodes, or two of nothing; 3 cells three of those."""
-    for loss in ("0", "0.9"):
-        mission, radio = started(setup_of(DISK, f"link.loss={loss}", key), 20)
-        advanced(mission, "greedy", 30)
-        spent = radio.net.traffic.bytes.sum()
-        assert 0 < spent <= most * 4 * (mission.step + 1).sum()
-        assert radio.net.traffic.dropped.sum() > 0
-
-
-def test_without_a_link_each_knows_its_own_looks_only() -> None:
-    mission, radio = started(setup_of("link.model=none"), 3)
-    advanced(mission, "greedy", 40)
-    received = radio.net.inbox.received_at >= 0
-    own = np.eye(4, dtype=bool)
-    assert received[:, own].any() and not received[:, ~own].any()
-    seen = radio.knowledge.last_seen.reshape(3, 4, -1)
-    np.testing.assert_array_equal(seen.max(axis=1), mission.knowledge.last_seen)
-
-
-def test_knowledge_is_the_fold_of_looks_in_any_order_and_however_often() -> None:
-    mission, radio = started(setup_of(DISK, "link.range_m=40", "link.loss=0.5"), 3)
-    advanced(mission, "greedy", 50)
-    rng, net = np.random.default_rng(0), radio.net
-    starts = Knowledge.of_starts(mission._looks(), len(mission.setup.graph), 4)
-    starts.agent_node[:] = np.repeat(mission.initial.agent_node, 4, axis=0)
-    for row in range(12):
-        e, h = divmod(row, 4)
-        at = net.inbox.received_at[e, h]
-        scans = np.argwhere((at >= 0) & (at <= mission.step[e]))
-        order = rng.permutation(np.concatenate((scans, scans[::2])))
-        received = np.array([(row, e, s, a) for a, s in order.tolist()], np.int32)
-        take_in(net.log, received, net.views, net.radius_number, starts)
-    for name in ("belief", "last_seen", "n_known", "agent_node", "agent_seen", "taken"):
-        np.testing.assert_array_equal(getattr(starts, name), getattr(radio.knowledge, name))
-    for row, n in enumerate(starts.n_known):
-        assert set(starts.known[row, :n]) == set(radio.knowledge.known[row, :n])
-
-
-@pytest.mark.parametrize("policy", ["greedy", "belief"])
-def test_an_episode_is_the_same_alone_and_in_any_batch(policy: str) -> None:
-    keys = (DISK, "link.range_m=60", "link.loss=0.3", "link.latency=1", "link.bytes=51")
-    whole = played(setup_of(*keys), policy, 3)
-    alone = played(setup_of(*keys), policy, 1)
-    for name, values in alone.items():
-        shared = whole[name][tuple(slice(0, n) for n in values.shape)]
-        np.testing.assert_array_equal(shared[:1], values)
-
-
-@pytest.mark.parametrize("ahead", [6, 12])
-def test_episodes_are_adopted_with_their_mail(ahead: int) -> None:
-    """Whether they have made more steps than the others of the batch or not."""
-    setup = setup_of(DISK, "link.range_m=40", "link.loss=0.5", "link.burst=3", "link.latency=2")
-    (into, mine), (source, theirs) = started(setup, 3), started(setup, 1, seed=8)
-    advanced(into, "greedy", 6)
-    advanced(source, "greedy", ahead)
-    into.replace_episodes(np.array([1]), source)
-    for mission in (into, source):
-        advanced(mission, "greedy", 8)
-    np.testing.assert_array_equal(mine.knowledge.belief[4:8], theirs.knowledge.belief)
-    np.testing.assert_array_equal(mine.net.inbox.received_at[1], theirs.net.inbox.received_at[0])
-    np.testing.assert_array_equal(mine.net.contacts.bad[1], theirs.net.contacts.bad[0])
 
 
 def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() -> None:
@@ -329,25 +221,6 @@ def test_the_belief_planner_loses_nothing_by_a_latency() -> None:
     assert mission.taken.sum() > 0.97 * mission.initial.n_items.sum(), "it was 30 % once"
 
 
-def test_masts_and_pairs_count_in_missions() -> None:
-    """Two rays by both antennas; shadowing drawn for each pair by itself; walls one by one."""
-    low, high = "team.foragers.antenna_m=0.5", "team.scouts.antenna_m=8"
-    mission, radio = started(setup_of("link.model=two-ray", low, high), 1)
-    at, snr = mission.state.agent_node[0], radio.net.contacts.snr_db[0]
-    rows = mission.setup.graph.rows[at]
-    for i, j, heights in ((0, 1, (8.0, 8.0)), (2, 3, (0.5, 0.5)), (0, 2, (8.0, 0.5))):
-        loss = two_ray_loss_db(4.0 * abs(int(rows[i]) - int(rows[j])), *heights, 2.4e9)
-        assert snr[i, j] == pytest.approx(117.0 - loss)
-    shadows = ("link.model=log-distance", "link.shadowing_db=6", "link.wall_db=3")
-    mission, radio = started(setup_of(*shadows), 40)
-    plain, bare = started(setup_of("link.model=log-distance", "link.wall_db=3"), 40)
-    first, second = np.triu_indices(4, 1)
-    both = (one.net.contacts.snr_db[:, first, second] for one in (radio, bare))
-    drawn = next(both) - next(both)
-    assert np.abs(np.corrcoef(drawn.T) - np.eye(6)).max() < 0.55
-    assert drawn.std() == pytest.approx(6.0, rel=0.15) and plain.step[0] == 0
-
-
 def test_keys_of_a_link_that_is_none_are_refused() -> None:
     with pytest.raises(UserError, match=r"link\.latency = 3 without a link; give link\.model"):
         load_scenario("comb-port", ["link.latency=3"])
@@ -357,19 +230,3 @@ def test_a_budget_for_no_look_is_refused() -> None:
     with pytest.raises(UserError, match=r"link\.bytes = 5 is too little .* at least 6, 0 for no"):
         load_scenario("comb-port", [DISK, "link.bytes=5"])
     assert load_scenario("comb-port", [DISK, "link.bytes=6"]).link.bytes == 6
-
-
-def test_of_two_looks_of_a_step_the_larger_count_of_a_node_is_believed() -> None:
-    """Whichever is received first, where agents do not see alike."""
-    mission, radio = started(setup_of("link.model=none"), 1)
-    net, other = radio._net, int(mission.state.agent_node[0, 0])
-    net.log.node[0, 1, :2] = other
-    view = net.views.of(other, int(net.radius_number[0])).tolist()
-    net.log.shown[0, 1, :2, view.index(other)] = (1, 3)
-    net.log.energy_left[0, 1, 0] = 7.0
-    for order in ((0, 1), (1, 0)):
-        knowledge = Knowledge.of_starts(mission._looks(), len(mission.setup.graph), 1)
-        received = np.array([(0, 0, 1, a) for a in order], np.int32)
-        take_in(net.log, received, net.views, net.radius_number, knowledge)
-        assert knowledge.belief[0, other] == 3
-        assert knowledge.energy_left[0, 0] == 7.0

@@ -21,7 +21,6 @@ OF_LINKS = (
     *("delivered", "lost", "dropped", "bytes_sent", "handover"),
 )
 OURS = ("aoi", "aoi_peak", *OF_LINKS)
-BUSY = (DISK, "link.range_m=60", "link.loss=0.4", "link.latency=1", "link.bytes=51")
 
 
 class Ages(Observer):
@@ -72,50 +71,6 @@ def test_over_a_link_that_carries_all_at_once_nothing_is_old_or_unlike() -> None
     assert (scalars["contact"] == 1.0).all()
     np.testing.assert_array_equal(scalars["delivered"], 12.0 * (mission.step + 1))
     np.testing.assert_allclose(courses["rmse_holders"], courses["rmse"], rtol=1e-12)
-
-
-def test_where_nobody_hears_of_anybody_positions_age_with_time() -> None:
-    scalars, courses, ages, mission = scored("link.model=none")
-    assert (mission.step == 60).all(), "or the padding would stand still"
-    np.testing.assert_array_equal(courses["position_age"], np.tile(np.arange(61.0), (3, 1)))
-    np.testing.assert_allclose(courses["aoi"].T, ages.aoi, rtol=1e-12)
-    assert (scalars["contact"] == 0.0).all() and (scalars["delivered"] == 0.0).all()
-    assert (scalars["disagreement"] > 0.0).all()
-    assert (scalars["rmse_holders"] > scalars["rmse"]).all()
-    assert (scalars["handover"] > 0.2).all() and (scalars["handover"] < 1.0).all()
-
-
-@pytest.mark.parametrize("latency", [1, 3])
-def test_positions_are_as_old_as_the_latency_of_a_disk_without_an_end(latency: int) -> None:
-    """From that step on; before, where all started is known, and time goes."""
-    scalars, courses, _, mission = scored(DISK, f"link.latency={latency}")
-    aged = np.minimum(np.arange(61.0), latency)
-    np.testing.assert_array_equal(courses["position_age"], np.tile(aged, (3, 1)))
-    news = scalars["handover"] * 60.0
-    assert (news > 0.0).all() and (news <= latency).all(), (
-        "a scout's comes so delayed, others at once"
-    )
-    under_way = 12.0 * latency
-    np.testing.assert_array_equal(scalars["delivered"], 12.0 * (mission.step + 1) - under_way)
-
-
-def test_ages_are_those_of_the_definition_over_a_link_that_fails() -> None:
-    scalars, courses, ages, _ = scored(*BUSY)
-    for course, words in ((courses["aoi"], ages.aoi), (courses["position_age"], ages.positions)):
-        np.testing.assert_allclose(course.T, words, rtol=1e-12)
-    for key in ("lost", "dropped", "bytes_sent", "delivered"):
-        assert (scalars[key] > 0.0).all(), key
-    assert ((scalars["contact"] > 0.0) & (scalars["contact"] < 1.0)).all()
-
-
-def test_an_episode_scores_the_same_alone_and_in_any_batch() -> None:
-    whole, courses, _, _ = scored(*BUSY)
-    for episodes in ([0], [2, 1]):
-        alone, course, _, _ = scored(*BUSY, episodes=episodes)
-        for key in OURS:
-            np.testing.assert_array_equal(alone[key], whole[key][episodes], key)
-        for key in ("aoi", "position_age", "disagreement", "rmse_holders", "contact"):
-            np.testing.assert_array_equal(course[key], courses[key][episodes], key)
 
 
 def test_the_peak_of_the_age_is_that_after_maps_were_known_best() -> None:
