@@ -67,14 +67,7 @@ def _until_seen(
 def _fresh(
     ends: Int32Array, start: NDArray[np.int64], cells: Int32Array, seen: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], Int32Array]:
-    """Lists of the cells that are seen after a move and not before it, as in `Cover`.
-
-    Parameters
-    ----------
-    ends : (node, 9) where moves end
-    start, cells : see `Cover`
-    seen : (cell,) scratch, all negative
-    """
+    """Lists of the cells that are seen after a move and not before it, as in `Cover`."""
     fresh_start = np.zeros(ends.size + 1, np.int64)
     for fills in range(2):  # counts first
         fresh = np.empty(fresh_start[-1], np.int32)
@@ -171,13 +164,7 @@ def _noticed(
     detection: NDArray[np.float64],
     least: float,
 ) -> NDArray[np.bool_]:
-    """(node, block) whether half the hotspots of a block show at least a share `least` there.
-
-    Parameters
-    ----------
-    block, size : (node,) the block of each hotspot, and (block,) its nodes
-    detection : (square,) chance to detect an item, by squared distance
-    """
+    """(node, block) whether half the hotspots of a block show at least a share `least` there."""
     n = block.size
     share, noticed = np.empty(n), np.zeros(size.size, np.int64)
     found = np.empty((n, size.size), np.bool_)

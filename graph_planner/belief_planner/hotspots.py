@@ -248,11 +248,6 @@ def _locate(
 
     Returns: (node,) items that the hotspot has in all if it is there, and the box (see `bounds`)
     outside of which it is not.
-
-    Parameters
-    ----------
-    rate : b of the number of items
-    mean : (node,) chance that no view showed an item which started there
     """
     n, a, b = mean.size, spots.shape + spots.sighted[e, h], rate
     log_starts, box = spots.log_starts[e, h], np.array([0, 1 << 40, 0, 1 << 40])

@@ -215,13 +215,7 @@ def _rest(
     way: NDArray[np.float64],
     price: float,
 ) -> float:
-    """A price plus, for every stop, its weight by when it can be met first.
-
-    Parameters
-    ----------
-    weight, others : of an `Outlook`
-    free, way : the decision in which the forager is free, and (stop,) its ways from there
-    """
+    """A price plus, for every stop, its weight by when it can be met first."""
     for j in range(weight.size):
         price += weight[j] * min(others[j], free + way[j])
     return price
@@ -253,12 +247,6 @@ def _grow(
     """Try what can be done next in every state, and keep the best steps.
 
     Returns: steps kept, and whether any of the routes could go on.
-
-    Parameters
-    ----------
-    number : states
-    outlook, chosen : scratch for the stops as a state sees them, and the best of them
-    ranking : of the stops from every place
     """
     worth, first, between, kind = legs.weight, legs.first, legs.between, legs.kind
     clock, at, visited, room = states.clock, states.at, states.visited, states.room

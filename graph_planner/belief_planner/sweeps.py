@@ -167,16 +167,7 @@ def _rest(
     late: NDArray[np.float64],
     price: float,
 ) -> float:
-    """A price plus, for every landmark, the mass left times the cost of when it can be seen.
-
-    Parameters
-    ----------
-    k : decisions in the plan
-    decisions : (landmark,) from where it ends until each is seen, more than `elsewhere` if never
-    marks, elsewhere : of `Marks`
-    left : (place,) mass left
-    late : see `lateness`
-    """
+    """A price plus, for every landmark, the mass left times the cost of when it can be seen."""
     for i in range(marks.size):
         steps = np.int32(k + max(np.int32(1), np.int32(decisions[np.uint64(marks[i])])))
         mass = left[i] if left[i] > SEEN else 0.0  # no branch: who has seen what is a coin toss
@@ -204,12 +195,6 @@ def _prolong(
     """Prolong plans to `k` decisions by every move, and keep the best of them.
 
     Returns: plans kept.
-
-    Parameters
-    ----------
-    plans, number : the plans, of k - 1 decisions, and how many they are
-    longer : filled
-    first : (9,) filled with preferences for the first moves, if these are the first
     """
     cover, trail, landmark = search.cover, search.trail, search.cover.landmark
     marks, place_of, elsewhere = search.marks.landmark, search.marks.place, search.marks.elsewhere

@@ -128,13 +128,7 @@ def _describe_selves(
     unseen_way: NDArray[np.float64],
     out: Levels,
 ) -> None:
-    """Own state of each agent and the time (agent, entry), in the order of `OWN`.
-
-    Parameters
-    ----------
-    past : decisions taken, and nodes at which items are known
-    unseen, way, unseen_way : how many nodes are unseen, and see `Ways` and `Fields`
-    """
+    """Own state of each agent and the time (agent, entry), in the order of `OWN`."""
     collects, horizon, moves = arrays.collects, arrays.horizon, arrays.moves
     radius, energy, agents = arrays.radius, arrays.energy, agent_node.size
     time, known = min(TOP, TOP * past[0] // horizon), min(TOP, 2 * past[1])

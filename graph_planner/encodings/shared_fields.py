@@ -146,11 +146,6 @@ def _look_again(
     """Nodes near items of before that are to be looked at again; returns how many are due.
 
     Fills `again` and `due`, that level of each node, and channel 3 of the coarse map.
-
-    Parameters
-    ----------
-    nodes : (place,) of `Nearby`. Sums go through them in this order, on which rounding depends
-    global_map : (channel, COARSE^2)
     """
     again, due, levels, cell_again = fields.again, fields.due, fields.levels, fields.cell_again
     coarse, extent, wet = chart.coarse, chart.extent, chart.wet

@@ -200,12 +200,7 @@ def _check_fit(path: Path, header: WeightsHeader, task: Task) -> Shapes:
 def _check_tensors(
     path: Path, kind: str, tensors: "Mapping[str, Tensor]", networks: "Mapping[str, MoveNetwork]"
 ) -> None:
-    """Refuse tensors that are missing, unknown, of another shape or type, or not finite or huge.
-
-    Parameters
-    ----------
-    kind : of `KINDS`
-    """
+    """Refuse tensors that are missing, unknown, of another shape or type, or not finite or huge."""
     wanted = {
         f"{team}.{name}": _kind(value)
         for team, network in networks.items()

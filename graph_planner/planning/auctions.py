@@ -172,13 +172,7 @@ def _look_again(
     worth: FloatArray,
     shows: FloatArray,
 ) -> None:
-    """Sum anew what places (list, place) show whose views may overlap that of the node `near`.
-
-    Parameters
-    ----------
-    near : node; -1: all places
-    radius : (list,) how far each list reaches [node]
-    """
+    """Sum anew what places (list, place) show whose views may overlap that of the node `near`."""
     rows, cols, widest = arrays.rows, arrays.cols, radius.max()
     for number in range(radius.size):
         reach = radius[number] + widest

@@ -71,12 +71,7 @@ class Harbour(NamedTuple):
 
 @kernel
 def _lots_of(known: Int32Array, ways: FloatArray, most: int, key: np.uint64) -> NDArray[np.int64]:
-    """Known nodes (known,) for sale: those nearest to any bidder.
-
-    Parameters
-    ----------
-    ways : (bidder, known) [node]
-    """
+    """Known nodes (known,) for sale: those nearest to any bidder."""
     nearest = np.empty(known.size)
     for i in range(known.size):
         nearest[i] = TIE * uniform(key, _NODES + known[i], 0)
@@ -230,12 +225,7 @@ def _head_for(
     step: int,
     preferences: FloatArray,
 ) -> None:
-    """Fill the preferences (move,) of an agent: down the way to its goal.
-
-    Parameters
-    ----------
-    on_the_way : (move,) what else speaks for each move, below 0.5 [node]
-    """
+    """Fill the preferences (move,) of an agent: down the way to its goal."""
     arrays = harbour.arrays
     targets, moves = arrays.targets[arrays.stride_number[a], node], arrays.moves[a]
     left = distances_of(harbour.table, arrays.neighbours, goal, harbour.workspace)

@@ -36,12 +36,7 @@ class Outcome:
 
 @kernel
 def _share_happened(when: NDArray[np.int16], items: Int32Array) -> NDArray[np.float64]:
-    """(env,) share of items (env,) of which something happened [%].
-
-    Parameters
-    ----------
-    when : (env, item) at which step it happened, -1 for never
-    """
+    """(env,) share of items (env,) of which something happened [%]."""
     shares = np.zeros(when.shape[0])
     for e in range(when.shape[0]):
         count = 0
@@ -71,13 +66,7 @@ def _how_it_ended(
     exhausted: NDArray[np.bool_],
     item_node: Int32Array,
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.int64]]:
-    """`terminated`, `truncated` and `illegal` of `Outcome`.
-
-    Parameters
-    ----------
-    played, active : (env,) whether the step was made, and whether another can be
-    item_node : (env, item) -1 once removed
-    """
+    """`terminated`, `truncated` and `illegal` of `Outcome`."""
     terminated, truncated = np.zeros(played.size, np.bool_), np.zeros(played.size, np.bool_)
     illegal = np.zeros(played.size, np.int64)
     for e in range(played.size):

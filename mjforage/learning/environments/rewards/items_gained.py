@@ -13,12 +13,7 @@ from mjforage.learning.environments.rewards.term import Amounts, Step
 def _count(
     agent: NDArray[np.int16], when: NDArray[np.int16], step: Int32Array, agents: int
 ) -> Amounts:
-    """Number of items that each agent (episode, agent) is given in this step (episode,).
-
-    Parameters
-    ----------
-    agent, when : (episode, item) to whom and at which step, -1 for nobody and never
-    """
+    """Number of items that each agent (episode, agent) is given in this step (episode,)."""
     counts = np.zeros((step.size, agents))
     for e in range(step.size):
         for k in range(agent.shape[1]):
