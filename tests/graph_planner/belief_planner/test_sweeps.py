@@ -88,24 +88,6 @@ def test_a_scout_sees_the_only_mass_as_soon_as_can_be() -> None:
         assert sees.index(True) + 1 == decisions
 
 
-def test_what_is_beyond_the_plan_still_pulls() -> None:
-    preferences, _ = swept(mass_at((20, 40)), depth=3)
-    assert int(preferences.argmax()) in (NE, E, SE)
-
-
-def test_seeing_the_same_again_counts_once() -> None:
-    """Two masses in view of one place, one elsewhere: the plan does not stay with the two."""
-    _, path = swept(mass_at((20, 23), (19, 23), (20, 12)), depth=12)
-    assert path[0][1] == 21 and min(col for _, col in path) <= 14
-
-
-def test_the_nearer_of_two_equal_masses_comes_first() -> None:
-    _, path = swept(mass_at((20, 25), (20, 13)), depth=14, beam=200)
-    sees = [[(r - 20) ** 2 + (c - col) ** 2 <= 4 for r, c in path] for col in (25, 13)]
-    near, far = (which.index(True) + 1 for which in sees)
-    assert near == 3 and far <= 13
-
-
 def test_mass_that_another_scout_sees_sooner_does_not_pull() -> None:
     mass = mass_at((20, 35), (20, 8))
     alone, _ = swept(mass + 0.2 * mass_at((20, 35)), depth=3)
@@ -114,11 +96,6 @@ def test_mass_that_another_scout_sees_sooner_does_not_pull() -> None:
     until_seen(COVER, int(SEA.node_of_cell[20, 36]), 0.0, elsewhere)
     shared, _ = swept(mass + 0.2 * mass_at((20, 35)), depth=3, elsewhere=elsewhere)
     assert int(shared.argmax()) in (SW, W, NW)
-
-
-def test_illegal_moves_are_never_preferred() -> None:
-    preferences, _ = swept(mass_at((5, 5)), start=(0, 0))
-    assert np.isneginf(preferences[[N, NE, SW, W, NW]]).all()
 
 
 def test_between_two_equal_masses_far_apart_only_a_discount_makes_it_go_to_one() -> None:

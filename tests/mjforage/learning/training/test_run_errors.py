@@ -1,7 +1,6 @@
 """Errors of trainings: named in a sentence, and nothing is lost."""
 
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -102,17 +101,6 @@ def test_ends_and_seeds_are_checked_before_a_folder_is_made(
     with pytest.raises(UserError, match=words):
         train(scenario(), hyperparameters(), tmp_path / "run", **end)
     assert not (tmp_path / "run").exists()
-
-
-def test_the_command_line_names_what_is_wrong(refused: Callable[..., str], tmp_path: Path) -> None:
-    assert "no end given" in refused("train", "ddqn", "--out", tmp_path)
-    taught = ("--teacher", "foo", "--learning", "teacher_updates=9", "--updates", 1)
-    words = refused("train", "ddqn", *taught, "--out", tmp_path / "run")
-    assert "policy foo: unknown" in words
-    assert not (tmp_path / "run").exists()
-    assert "expected KEY=VALUE" in refused(
-        "train", "ddqn", "--learning", "num_envs", "--out", tmp_path
-    )
 
 
 class Unwritten(Trainer):
