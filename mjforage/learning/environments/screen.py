@@ -1,13 +1,70 @@
-"""Rendering for every environment of one picture: arrays, or a window."""
+"""Rendering for every environment of one picture: arrays, or a window on this display."""
 
-from collections.abc import Callable
+import contextlib
+import os
+import sys
+from collections.abc import Callable, Mapping
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from mjforage.base.errors import UserError
-from mjforage.learning.environments.window import RENDER_MODES, Window, why_no_window
+
+
+def why_no_window() -> str:
+    """Reason why no window can be opened here; empty where one can be tried."""
+    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+        return "there is no display"
+    if find_spec("_tkinter") is None:
+        return "this Python has no Tk (Debian: python3-tk)"
+    return ""
+
+
+RENDER_MODES = ["rgb_array", "human"]
+"""Of every class: without `human` Gymnasium shows `rgb_array` in a window that wants pygame."""
+
+
+def metadata_here(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """That of an environment made here: those modes alone that work, as checkers try each."""
+    return {**metadata, "render_modes": RENDER_MODES[: 1 if why_no_window() else 2]}
+
+
+class Window:
+    """Opens before anything is played, and shows pictures from then on.
+
+    Raises `UserError` if it cannot.
+    """
+
+    def __init__(self, title: str) -> None:
+        try:
+            import tkinter
+
+            from PIL import ImageTk
+
+            self._root = tkinter.Tk(className=title)
+        except (ImportError, tkinter.TclError) as error:
+            raise UserError(
+                f"render_mode = 'human': no window can be opened ({error}); use rgb_array"
+            ) from error
+        self._photo_of, self._closed = ImageTk.PhotoImage, tkinter.TclError
+        self._root.title(title)
+        self._label = tkinter.Label(self._root)
+        self._label.pack()
+
+    def show(self, picture: NDArray[np.uint8]) -> None:
+        """Show a picture (height, width, 3); a window that was closed stays closed."""
+        with contextlib.suppress(self._closed):
+            self._photo = self._photo_of(Image.fromarray(picture), master=self._root)
+            self._label.configure(image=self._photo)
+            self._root.update()
+
+    def close(self) -> None:
+        """Close it."""
+        with contextlib.suppress(self._closed):
+            self._root.destroy()
 
 
 def check_mode(mode: str | None, known: list[str] = RENDER_MODES) -> None:

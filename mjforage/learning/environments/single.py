@@ -11,8 +11,7 @@ from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.core import EnvironmentCore, Episodes, Outcome
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
-from mjforage.learning.environments.screen import Screen
-from mjforage.learning.environments.window import RENDER_MODES, metadata_here
+from mjforage.learning.environments.screen import RENDER_MODES, Screen, metadata_here
 
 ONLY = np.zeros(1, np.int64)  # number of the one sub-environment
 METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}

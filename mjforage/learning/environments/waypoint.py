@@ -16,9 +16,8 @@ from mjforage.learning.environments.checks import checked_options, checked_start
 from mjforage.learning.environments.choices import check_known
 from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.rewards import checked_names
-from mjforage.learning.environments.screen import Screen
+from mjforage.learning.environments.screen import RENDER_MODES, Screen, metadata_here
 from mjforage.learning.environments.waypoint_track import TICK_S, WaypointTrack
-from mjforage.learning.environments.window import RENDER_MODES, metadata_here
 from mjforage.physics.foretold import foretold_of_hull
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
