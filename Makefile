@@ -1,18 +1,18 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
 # `make quick`: the tests that take about a minute on two free cores, when kernels are compiled.
-# `make test`: ruff, mypy, import-linter, and all tests but those of whole runs: ten minutes.
-# `make thorough`: those: commands, runs that are killed and go on, trainings, hulls, reports, films, blocks of pages.
-# `make capabilities`: tests of what learns, under each set of instructions of processors.
-# `make mujoco`: hulls, items and scenarios with MuJoCo 4 too, and both versions beside each other.
+# `make test`: ruff, mypy, import-linter, and all tests but those of `make thorough`: ten minutes.
+# `make thorough`: tests of whole runs: commands, killed runs, trainings, vessels, reports, films, blocks of pages.
+# `make capabilities`: tests of learning, under each set of instructions of this processor.
+# `make mujoco`: vessels, items and scenarios with MuJoCo 4, and a comparison of both versions.
 # `make lowest`: core, physics, runs and commands with the lowest versions that pyproject.toml allows.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html.
 # `make links`: its links to other sites, by Sphinx's linkcheck.
 # `make gallery`: the films of docs/gallery.md, by the commands that stand there; a quarter of an hour.
-# `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
+# `make pages`: accessibility of report pages and of the site, in headless Chromium.
 # `make evidence`: numbers of the pages made again, hours of them; ONLY="name name" JOBS=2 for some.
 # `make evidence-pages`: their tables drawn from docs/evidence/data.
-# `make mutants`: whether every single fault of a list is noticed; an hour on two cores.
+# `make mutants`: single faults of a list, each of which a test has to notice; an hour on two cores.
 # `make mutants-tenth`: the same for a tenth of them, another one after each commit.
 PYTHON ?= python3
 VENV := .venv
@@ -66,7 +66,7 @@ thorough: $(VENV)/.installed-docs
 types: $(VENV)/.installed-dev
 	$(BIN)/mypy
 
-# Each of pytest's processes would rewrite the asserts of all files that have not been kept.
+# Each of pytest's processes would rewrite the asserts of all files that have no cached bytecode.
 collected: $(VENV)/.installed-docs
 	$(BIN)/pytest --collect-only --quiet >/dev/null
 

@@ -22,7 +22,7 @@ LEVELS = {  # by the published rules: ours of Greedy (200 episodes), and the pap
 
 
 def name_of(path: Path) -> str:
-    """What a run's line is called: its file, or its folder where all files are called alike."""
+    """Label of a run: the name of its file, or of its folder where all files have one name."""
     label = path.stem.removesuffix("-evaluations")
     return path.parent.name if label == "evaluations" else label
 

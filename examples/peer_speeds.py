@@ -1,4 +1,4 @@
-"""How fast vector environments of multi-agent libraries step on one core, with random actions.
+"""Speeds of vector environments of multi-agent libraries on one core, with random actions.
 
     XLA_FLAGS="--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1" \
         OMP_NUM_THREADS=1 taskset -c 0 python examples/peer_speeds.py

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Log:
-    """What one run leaves behind; index 0 of the series is the state before the first step."""
+    """Record of one run; index 0 of the series is the state before the first step."""
 
     found_at: Array = field(default_factory=lambda: np.full(PALLETS, np.nan))
     found_by: NDArray[np.int64] = field(default_factory=lambda: np.full(PALLETS, -1))
@@ -44,7 +44,7 @@ class Log:
 
 @dataclass(frozen=True)
 class Rules:
-    """How a warehouse is run: `roaming` is the chance that a locator picks a random aisle."""
+    """Rules of a warehouse: `roaming` is the chance that a locator picks a random aisle."""
 
     roaming: float
     locators: int = LOCATORS
@@ -169,7 +169,7 @@ def comparison(sweep: dict[str, Array], roam: dict[str, Array]) -> Table:
 
 
 def teamwork(runs: int) -> Table:
-    """What one agent is worth, and how sensitive fetching is to aimless locators."""
+    """Worth of one agent, and sensitivity of fetching to aimless locators."""
     sweep, name = Rules(roaming=0.0), "PTA fetched, %"
     full = metrics.mean(evaluate(sweep, runs)[name])
     table = Table(title=f"Team work under sweep, {runs} runs, measured on {name}")

@@ -1,7 +1,7 @@
-"""All policies, those that search told to search briefly: for tests of what any policy must keep.
+"""All policies, with brief searches: for tests of properties that every policy must have.
 
-What a search finds is of their own tests; that a batch, a link or a fleet changes no bit of it
-does not depend on how long it searches.
+Tests of their own look at the results of searches. A batch, a link or a fleet changes no bit of
+them, however long the search is.
 """
 
 from mjforage.graph_planner.policies import policy_names

@@ -1,5 +1,5 @@
-"""What autodoc lacks: tables of docstrings are Markdown's, types of arrays are long, and fields of
-named tuples are told in comments.
+"""Additions to autodoc: Markdown tables in docstrings, short types of arrays, and fields of named
+tuples that comments describe.
 """
 
 import ast
@@ -28,24 +28,24 @@ SHORTER = (
     (r"~(?:\w+\.)*", ""),
     (r"numpy\.(\w+)", r"\1"),
 )
-"""What stands in signatures, and what is meant."""
+"""Pattern in a signature -> its short form."""
 
 
-def tables_told(
+def write_tables(
     app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: list[str]
 ) -> None:
     """Write each Markdown table of a docstring as a list table, in place."""
-    told: list[str] = []
+    new: list[str] = []
     table: list[list[str]] = []
     for line in [*lines, ""]:
         if line.strip().startswith("|"):
             table.append([cell.strip() for cell in line.strip().strip("|").split("|")])
             continue
         if table:
-            told += list_table(table)
+            new += list_table(table)
             table = []
-        told.append(line)
-    lines[:] = told[:-1] if told and not told[-1] else told
+        new.append(line)
+    lines[:] = new[:-1] if new and not new[-1] else new
 
 
 @lru_cache(maxsize=256)
@@ -69,7 +69,7 @@ def fields_of(made: type) -> dict[str, str]:
     }
 
 
-def field_told(
+def write_field(
     app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: list[str]
 ) -> None:
     """Write the comment of a named tuple's field where Python says its number, in place."""
@@ -81,21 +81,21 @@ def field_told(
     lines[:] = [words[:1].upper() + words[1:], ""] if words else [""]
 
 
-def shorter(told: str | None) -> str | None:
+def shorter(text: str | None) -> str | None:
     """A signature, or what it returns, with short names of types."""
-    for long, short in SHORTER if told else ():
-        told = re.sub(long, short, told or "")
-    return told
+    for long, short in SHORTER if text else ():
+        text = re.sub(long, short, text or "")
+    return text
 
 
-def signature_told(
-    app: Sphinx, what: str, name: str, thing: Any, options: Any, told: str | None, back: str | None
+def write_signature(
+    app: Sphinx, what: str, name: str, thing: Any, options: Any, given: str | None, back: str | None
 ) -> tuple[str | None, str | None]:
     """Write a signature as `shorter` has it."""
-    return shorter(told), shorter(back)
+    return shorter(given), shorter(back)
 
 
-def annotations_told(app: Sphinx, document: nodes.document, name: str) -> None:
+def write_annotations(app: Sphinx, document: nodes.document, name: str) -> None:
     """Write the types of attributes as `shorter` has them."""
     for annotation in document.findall(addnodes.desc_annotation):
         text = annotation.astext()
@@ -114,8 +114,8 @@ def list_table(table: list[list[str]]) -> list[str]:
 
 def setup(app: Sphinx) -> ExtensionMetadata:
     """Join autodoc before numpydoc does."""
-    app.connect("autodoc-process-docstring", tables_told, priority=BEFORE_NUMPYDOC)
-    app.connect("autodoc-process-docstring", field_told, priority=BEFORE_NUMPYDOC)
-    app.connect("autodoc-process-signature", signature_told)
-    app.connect("doctree-resolved", annotations_told)
+    app.connect("autodoc-process-docstring", write_tables, priority=BEFORE_NUMPYDOC)
+    app.connect("autodoc-process-docstring", write_field, priority=BEFORE_NUMPYDOC)
+    app.connect("autodoc-process-signature", write_signature)
+    app.connect("doctree-resolved", write_annotations)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -43,7 +43,7 @@ class Block:
 
     @property
     def long(self) -> bool:
-        """Whether it takes over a minute."""
+        """True if it takes over a minute."""
         return self.mark.startswith("long")
 
     @property

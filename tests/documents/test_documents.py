@@ -77,7 +77,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def missing(text: str) -> bool:
-    """Whether a block needs a library that is not here."""
+    """True if a block needs a library that is not here."""
     needed = [library for module, library in LIBRARIES.items() if module in text]
     return any(importlib.util.find_spec(library) is None for library in needed)
 

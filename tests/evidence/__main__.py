@@ -69,11 +69,11 @@ def make(piece: Piece, jobs: int = 1, runs: Path = RUNS) -> Piece:
     left = Runs(folders)
     if piece.name in FILES:
         FILES[piece.name](left)
-    told = {
+    described = {
         label: {"command": run["command"]} | facts(folders[label])
         for label, run in piece.runs.items()
     }
-    return made(piece, told, made_rows(piece, left))
+    return made(piece, described, made_rows(piece, left))
 
 
 def main() -> None:

@@ -68,7 +68,7 @@ class Piece:
     made: Mapping[str, Any] | None = None  # with what and when
 
     def spec(self, column: Column, row: Row) -> Spec:
-        """Where a number comes from."""
+        """The origin of a number: piece, column and row together."""
         levels = (self.of or {}, column.of, row.of)
         found = {key: value for level in levels for key, value in level.items()}
         minus = {k: v for level in levels for k, v in level.get("minus", {}).items()}
@@ -81,7 +81,7 @@ class Piece:
 
     @property
     def current(self) -> bool:
-        """Whether its numbers are of this very code."""
+        """True if its numbers are of this very code."""
         return self.made is not None and self.made["code"] == provenance()["code"]
 
 
@@ -111,8 +111,8 @@ def save(piece: Piece, folder: Path = DATA) -> None:
         "columns": columns,
         "rows": rows,
     }
-    told = (f' "{name}": {_lines(part)}' for name, part in parts.items() if part or part is False)
-    (folder / f"{piece.name}.json").write_text("{\n" + ",\n".join(told) + "\n}\n", "utf-8")
+    lines = (f' "{name}": {_lines(part)}' for name, part in parts.items() if part or part is False)
+    (folder / f"{piece.name}.json").write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
 
 
 def _lines(part: Any) -> str:

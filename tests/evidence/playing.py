@@ -1,4 +1,4 @@
-"""Run the commands of pieces, each once, and read what they leave."""
+"""Run the commands of pieces, each once, and read their results."""
 
 import hashlib
 import importlib
@@ -21,7 +21,7 @@ from mjforage.view.report.studies.study_logs import StudyLogs, load_study
 from tests.evidence.piece import REPOSITORY
 
 FRESH = "--fresh"
-"""What a folder whose code is another asks for, and what it is then given."""
+"""The option that a command asks for where the code has changed, and that it then gets."""
 RUNS = REPOSITORY / "runs" / "evidence"
 FIGURES = "figures.json"  # of a command that makes no folder
 
@@ -46,7 +46,7 @@ def place(command: str, runs: Path = RUNS) -> Path:
 def play(command: str, jobs: int = 1, runs: Path = RUNS) -> Path:
     """Carry out what is missing of a command, and return its folder.
 
-    What other code has begun is kept aside and begun anew.
+    A run that other code has begun is put aside and begun anew.
 
     Raises
     ------
@@ -109,7 +109,7 @@ class Run:
 
 
 class Runs:
-    """What the commands of a piece left, read when it is asked for."""
+    """Results of the commands of a piece, read when they are asked for."""
 
     def __init__(self, folders: Mapping[str, Path]) -> None:
         self.folders = dict(folders)
@@ -127,14 +127,14 @@ class Runs:
 
     @cached_property
     def figures(self) -> Any:
-        """What the only command wrote as JSON, if it left no run."""
+        """JSON of the only command, if it leaves no run."""
         return json.loads((self.folders[""] / FIGURES).read_text("utf-8"))
 
 
 def facts(folder: Path) -> dict[str, Any]:
-    """Seed, episodes, hash and CPU minutes of what a folder holds; of a study its variants' sum.
+    """Seed, episodes, hash and CPU minutes of a run; of a study its variants' sum.
 
-    Nothing of what is no run.
+    Empty for a folder without a run.
     """
     files = [*sorted(folder.glob("variants/*/run.json")), *folder.glob("run.json")]
     if not files:

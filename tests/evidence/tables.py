@@ -1,4 +1,4 @@
-"""Numbers of tables: how they come from what the commands of a piece left."""
+"""Numbers of tables: their origins in the results of commands."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -145,7 +145,7 @@ def made_row(piece: Piece, row: Row, runs: Runs) -> Row:
 
 
 def made_rows(piece: Piece, runs: Runs) -> list[Row]:
-    """All rows of a piece, from what its commands left."""
+    """All rows of a piece, from the results of its commands."""
     if piece.name in WHOLE:
         return [Row(cells) for cells in WHOLE[piece.name](runs)]
     return [made_row(piece, row, runs) for row in piece.rows]

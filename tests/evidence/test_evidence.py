@@ -58,7 +58,7 @@ def played(command: str) -> list[str]:
 
 
 def test_settings_of_commands_are_of_scenarios() -> None:
-    """What would be refused hours after the start is refused here."""
+    """A wrong one is refused here, not hours after the start."""
     commands = {run["command"] for piece in ALL.values() for run in piece.runs.values()}
     settings = set()
     for given in map(parsed, (one for one in commands if one.startswith("mjforage"))):

@@ -31,9 +31,9 @@ def entry(package: str) -> Iterator[str]:
     source = (REPOSITORY / package / "__init__.py").read_text("utf-8")
     words = " ".join((ast.get_docstring(ast.parse(source)) or "").split())
     parts = sorted(path.parent.name for path in (REPOSITORY / package).glob("*/__init__.py"))
-    told = textwrap.wrap(words.partition(". ")[0].rstrip("."), WIDTH - 44)
-    told += [f"  {line}" for line in textwrap.wrap("  ".join(parts), WIDTH - 46)]
-    for name, line in zip([package, *[""] * len(told)], told, strict=False):
+    lines = textwrap.wrap(words.partition(". ")[0].rstrip("."), WIDTH - 44)
+    lines += [f"  {line}" for line in textwrap.wrap("  ".join(parts), WIDTH - 46)]
+    for name, line in zip([package, *[""] * len(lines)], lines, strict=False):
         yield f"| {name:<40}{line:<{WIDTH - 44}} |\n"
 
 

@@ -38,7 +38,7 @@ faults are data, `tests/mutants/*.toml`. Each names its place by function and te
 to it that this place still exists.
 """
 _HEAD = """
-## {room}
+## {topic}
 
 | mutant | fault | check |
 |---|---|---|
@@ -48,8 +48,8 @@ _HEAD = """
 def page(mutants: Iterable[Mutant]) -> str:
     """The page of all mutants, file by file."""
     parts = [_PAGE]
-    for room, those in groupby(mutants, key=lambda mutant: mutant.room):
-        parts.append(_HEAD.format(room=room.capitalize()))
+    for topic, those in groupby(mutants, key=lambda mutant: mutant.topic):
+        parts.append(_HEAD.format(topic=topic.capitalize()))
         for mutant in those:
             check = mutant.check.split("/")[-1].replace("::", " ")
             parts.append(f"| `{mutant.name}` | {mutant.fault} | `{check}` |\n")
@@ -77,12 +77,12 @@ def run_check(check: str, copy: Path) -> tuple[int, str]:
 def run_mutant(mutant: Mutant, copy: Path) -> str:
     """Spoil the copy, run the check and put the copy right again; what came of it."""
     path, spoilt = mutant.spoilt(copy)
-    kept, time = path.read_text(encoding="utf-8"), path.stat().st_mtime_ns
+    text, time = path.read_text(encoding="utf-8"), path.stat().st_mtime_ns
     path.write_text(spoilt, encoding="utf-8")
     try:
         code, said = run_check(mutant.check, copy)
     finally:
-        path.write_text(kept, encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
         os.utime(path, ns=(time, time))
     return f"{ {PASSED: 'SURVIVED', FAILED: 'caught'}.get(code, f'broke ({code})') }: {said}"
 

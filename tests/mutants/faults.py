@@ -27,7 +27,7 @@ class Mutant:
     old, new : text that occurs once there and in no other place of that name, and what takes its
         place
     check : a test, `tests/.../test_file.py::test_name`
-    room : name of the TOML file that holds it
+    topic : name of the TOML file that holds it
     """
 
     name: str
@@ -36,7 +36,7 @@ class Mutant:
     old: str
     new: str
     check: str
-    room: str
+    topic: str
 
     def spoilt(self, root: Path = ROOT) -> tuple[Path, str]:
         """The file in a copy of the repository, and its text with the fault.
@@ -103,7 +103,7 @@ def _sources(root: Path) -> tuple[Path, ...]:
 def mutants() -> list[Mutant]:
     """All mutants, in the order of their files."""
     return [
-        Mutant(**entry, room=file.stem)
+        Mutant(**entry, topic=file.stem)
         for file in sorted(HERE.glob("*.toml"))
         for entry in tomllib.loads(file.read_text(encoding="utf-8"))["mutant"]
     ]

@@ -10,7 +10,7 @@ LINKED = ("controllers/", "graph_planner/", "metrics/", "models/")
 """Folders that stand below the package where it is installed."""
 LARGEST_WHEEL_BYTES = 8_000_000
 ONLY_OF_A_CLONE = (".ci/", ".github/", ".pre-commit-config.yaml")
-"""What an sdist leaves out."""
+"""Paths that an sdist leaves out."""
 OF_THE_WHEEL = {"METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE"}
 """In its folder `.dist-info`."""
 
@@ -49,6 +49,6 @@ def sdist_faults(sdist: Path) -> list[str]:
     """Return what is wrong with an sdist's contents, a line each."""
     with tarfile.open(sdist) as archive:
         found = {one.name.partition("/")[2] for one in archive.getmembers() if one.isfile()}
-    kept = {path for path in tracked() if not path.startswith(ONLY_OF_A_CLONE)}
-    ours = {path if path.startswith("models/") else installed(path) for path in kept}
+    packed = {path for path in tracked() if not path.startswith(ONLY_OF_A_CLONE)}
+    ours = {path if path.startswith("models/") else installed(path) for path in packed}
     return differences(found, ours | {"PKG-INFO"}, sdist.name)

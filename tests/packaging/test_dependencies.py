@@ -1,4 +1,4 @@
-"""What the packages import is declared: always needed, or in an extra."""
+"""Imports of the package are declared as dependencies: always needed, or in an extra."""
 
 import ast
 import sys

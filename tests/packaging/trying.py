@@ -70,16 +70,16 @@ class FailedError(RuntimeError):
 
 
 def run(command: Sequence[str], folder: Path) -> None:
-    """Run a command in a folder, without what this process is told about Python.
+    """Run a command in a folder, without the variables of this process that are about Python.
 
     Raises
     ------
     FailedError
         If its exit code is not 0, with the last lines of what it said.
     """
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL_ENV"))}
+    env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL_ENV"))}
     done = subprocess.run(
-        command, cwd=folder, env=kept, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        command, cwd=folder, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
     if done.returncode:
         said = "\n".join(done.stdout.splitlines()[-25:])
