@@ -10,7 +10,8 @@ import os
 import re
 from pathlib import Path
 
-from mjforage.view.report.text_tables import NOTHING, needed_digits, number
+from mjforage.view.page.table import NOTHING
+from mjforage.view.report.cells import needed_digits, number
 from tests.documents.blocks import MADE
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, load
 

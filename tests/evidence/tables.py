@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from mjforage.runs.parquet import read_parquet
 from mjforage.view.report.studies import ablation, corruption
-from mjforage.view.report.studies.study_logs import Player
 from tests.evidence import trained
 from tests.evidence.cells import average, beside, defined, gap, interval, mean
 from tests.evidence.piece import Cell, Piece, Row, Spec
@@ -20,15 +19,15 @@ GRAPH = "graph"
 def values(spec: Spec, runs: Runs) -> NDArray[Any]:
     """A metric of a policy, in the first world of a run if none is named: (episode,)."""
     if "variant" in spec:
-        player = Player(spec["variant"], spec.get("world", GRAPH), spec["policy"])
-        return runs.study.values(player, spec["key"])
+        case = runs.study.case(spec["variant"], spec.get("world", GRAPH), spec["policy"])
+        return case.values(spec["key"])
     return runs[spec["run"]].values(spec["policy"], spec["key"], spec.get("world"))
 
 
 def entry(spec: Spec, runs: Runs) -> Cell:
     """Mean of a variant of a study, with its interval."""
-    player = Player(spec["variant"], GRAPH, spec["policy"])
-    found = runs.study.entry(player, spec["key"])
+    case = runs.study.case(spec["variant"], GRAPH, spec["policy"])
+    found = case.summary(spec["key"])
     return defined(mean=found.mean, low=found.low, high=found.high)
 
 

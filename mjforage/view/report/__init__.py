@@ -4,15 +4,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mjforage.base.atomic_files import write_bytes
-from mjforage.view.page import embedded_within
-from mjforage.view.report.all_figures import draw_figures
-from mjforage.view.report.all_tables import draw_tables, whole_tables
 from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
-from mjforage.view.report.report_page import ReportPage
+from mjforage.view.report.report_page import draw_figures, draw_tables, metric_tables, report_page
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.run_pairs import write_pair
-from mjforage.view.report.shown import FIGURES, only, shown_policies
+from mjforage.view.report.shown import only, shown_policies
 from mjforage.view.report.text_tables import terminal_table
+from mjforage.view.report.web_replay import web_replay
 
 __all__ = ["Exports", "terminal_table", "write_pair", "write_report"]
 
@@ -23,7 +21,7 @@ def write_report(
     """Write ``figures/*.png|svg``, ``tables/*.csv`` and ``report.html`` into a run folder.
 
     Nothing is re-simulated, and the same logs give the same bytes. Of a run too large for one page
-    it shows a part, see `shown`.
+    it shows a part, see `shown`; the tables of metrics in ``tables`` have all policies.
 
     Parameters
     ----------
@@ -44,10 +42,11 @@ def write_report(
     logs = load_logs(folder)
     shown = only(logs, shown_policies(logs, policies))
     pictures, tables = draw_figures(shown), draw_tables(logs, shown)
-    page = ReportPage(logs, shown, tables)
-    figures = embedded_within(min(FIGURES, page.room), pictures, folder)
-    text = page.text(figures)
-    export(folder, tables.all if shown is logs else whole_tables(logs, tables), pictures, wanted)
+    page = report_page(logs, shown, tables, pictures)
+    text = page.text(folder, lambda room: web_replay({"": folder}, room, shown.policies))
+    if shown is not logs:
+        tables |= metric_tables(logs)
+    export(folder, [table for found in tables.values() for table in found], pictures, wanted)
     target = folder / "report.html"
     write_bytes(target, text.encode("utf-8"))
     return target

@@ -1,16 +1,14 @@
-"""Which policies of a world are best in a metric, by a test rather than by their rounded means."""
+"""Policies of a world that are best in a metric, by a test rather than by their rounded means."""
 
 from collections.abc import Mapping
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mjforage.metrics import holm, paired_p
 from mjforage.mission.mission_metrics import Description
-from mjforage.view.report.run_logs import RunLogs, Series
+from mjforage.view.report.run_logs import Case, FloatArray, RunLogs
 
-FloatArray = NDArray[np.float64]
 Name = TypeVar("Name")
 
 LEVEL = 0.05
@@ -23,26 +21,23 @@ NOTE = (
 )
 
 
-def best_of(logs: RunLogs, metric: Description) -> set[Series]:
-    """World and policy of the best mean of each world, and of those not told apart from it.
+def best_of(logs: RunLogs, metric: Description) -> set[Case]:
+    """The best mean of each world, and those not told apart from it.
 
     None where the metric has no direction, too few episodes, or where no policy is worse.
     """
-    if not metric.better:
-        return set()
-    found: set[Series] = set()
-    for world in logs.run.worlds:
-        found |= _best_of_world(logs, metric, world)
-    return found
-
-
-def _best_of_world(logs: RunLogs, metric: Description, world: str) -> set[Series]:
-    players = [(world, policy) for policy in logs.policies if policy not in logs.run.bounds]
-    return best_and_alike({one: logs.scalar(one, metric.key) for one in players}, metric.better)
+    cases = [case for case in logs.cases if case.policy not in logs.run.bounds and metric.better]
+    return {
+        case
+        for world in logs.run.worlds
+        for case in best_and_alike(
+            {one: one.values(metric.key) for one in cases if one.world == world}, metric.better
+        )
+    }
 
 
 def best(values: Mapping[Name, FloatArray], better: int) -> Name | None:
-    """Whose mean is best; None where none is defined.
+    """Name of the best mean; None where none is defined.
 
     Parameters
     ----------

@@ -1,32 +1,30 @@
-"""How often a policy cleared the map, how long it took, and what horizon would have done."""
+"""How often a policy cleared the map, how long it took, and the horizon that would be enough."""
 
 import math
 
 import numpy as np
 import polars as pl
-from numpy.typing import NDArray
 
-from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING, Number, Row, Table
-from mjforage.view.report.run_logs import RunLogs, Series
-from mjforage.view.report.text_tables import head_of, minutes, number
+from mjforage.view.report.cells import UNDEFINED, Cell, minutes, number, number_cell, row
+from mjforage.view.report.run_logs import Case, FloatArray, RunLogs
 
 LAST = 4  # an episode's pace is that of its last quarter
 UNKNOWN = "cannot be told"
 
-TITLE = "Was the map cleared, and what horizon would do?"
-COLUMNS = ("cleared", "took", "left", "stood still", "horizon that would do")
+TITLE = "Cleared maps and sufficient horizons"
+COLUMNS = ("cleared", "mean time", "items left", "stalled", "sufficient horizon")
 NOTE = (
-    "Took: mean of the episodes that were cleared. Of the others, left: items in the mean; stood "
-    "still: episodes in whose last quarter nothing was removed. Horizon that would do: by then "
-    "half of the others would be cleared, if each item left were removed with the chance per step "
-    "that items had in the last quarter of its episode. One that stood still counts as never "
-    "cleared; where more than half did, no horizon can be told. A policy that goes on slowing down "
-    "needs more."
+    "Mean time: of the episodes that were cleared. The other columns are of the episodes that were "
+    "not. Items left: mean. Stalled: episodes in whose last quarter no item was removed. "
+    "Sufficient horizon: half of these episodes would be cleared by then, if each remaining item "
+    "were removed with the probability per step that items had in the last quarter of its episode. "
+    "A stalled episode counts as never cleared; where more than half are stalled, no horizon can "
+    "be given. A policy that keeps slowing down needs more."
 )
 
 
-def clearing_step(removed: NDArray[np.float64], horizon: int) -> float:
+def clearing_step(removed: FloatArray, horizon: int) -> float:
     """Step by which an episode is as likely as not to be cleared, at the pace of its last quarter.
 
     Each item left is taken to be removed with a chance per step that is the number removed in that
@@ -58,51 +56,43 @@ def about(steps: float) -> int:
     return math.ceil(steps / unit) * unit
 
 
-def _episodes(logs: RunLogs, series: Series) -> list[NDArray[np.float64]]:
+def _episodes(case: Case) -> list[FloatArray]:
     """Step of each item's removal, infinite for never, episode by episode."""
-    rows = logs.items_of(series).sort("episode", maintain_order=True)
+    rows = case.items().sort("episode", maintain_order=True)
     times = rows["t_collected"].cast(pl.Float64).fill_null(math.inf).to_numpy()
-    first = np.searchsorted(rows["episode"].to_numpy(), np.arange(1, logs.run.episodes))
+    first = np.searchsorted(rows["episode"].to_numpy(), np.arange(1, case.logs.run.episodes))
     return np.split(times, first)
 
 
-def _row(logs: RunLogs, series: Series, colour: str) -> Row:
-    episodes = _episodes(logs, series)
-    steps = np.array([clearing_step(removed, logs.run.horizon) for removed in episodes])
+def _row(case: Case) -> Row:
+    run, episodes = case.logs.run, _episodes(case)
+    steps = np.array([clearing_step(removed, run.horizon) for removed in episodes])
     left = np.array([np.isinf(removed).sum() for removed in episodes])
-    others = np.sort(steps[left > 0])
-    took = minutes(logs.run, float(steps[left == 0].mean())) if (left == 0).any() else math.nan
-    items = float(left[left > 0].mean()) if others.size else math.nan
-    still = int(np.isinf(others).sum())
-    would = float(others[(others.size - 1) // 2]) if others.size else math.nan
-    told = math.isfinite(would)
-    cells = (
-        f"{len(steps) - others.size} of {len(steps)}",
-        number(took, 1),
-        number(items, 1),
-        f"{still} of {others.size}" if others.size else NOTHING,
-        f"≈ {about(would)}" if told else UNKNOWN if others.size else NOTHING,
-    )
-    values = (
-        Number(len(steps) - others.size),
-        Number(took),
-        Number(items),
-        Number(still if others.size else math.nan),
-        Number(would) if told else None,
-    )
-    also = ("", "", "", "", f"{number(minutes(logs.run, about(would)), 0)} min" if told else "")
-    return Row(head_of(logs, series), cells, colour, values=values, also=also)
+    others, cleared = np.sort(steps[left > 0]), int((left == 0).sum())
+    took = minutes(run, float(steps[left == 0].mean())) if cleared else math.nan
+    counted = Cell(f"{cleared} of {len(steps)}", Number(cleared))
+    if not others.size:
+        cells = [counted, number_cell(took, 1), UNDEFINED, UNDEFINED, Cell(NOTHING)]
+        return row(case.head, cells, case.look.colour)
+    enough, stalled = float(others[(others.size - 1) // 2]), int(np.isinf(others).sum())
+    horizon = Cell(UNKNOWN)
+    if math.isfinite(enough):
+        also = f"{number(minutes(run, about(enough)), 0)} min"
+        horizon = Cell(f"≈ {about(enough)}", Number(enough), also)
+    cells = [
+        counted,
+        number_cell(took, 1),
+        number_cell(float(left[left > 0].mean()), 1),
+        Cell(f"{stalled} of {others.size}", Number(stalled)),
+        horizon,
+    ]
+    return row(case.head, cells, case.look.colour)
 
 
 def clearing_table(logs: RunLogs) -> Table | None:
     """A row per policy and world; None where every episode was cleared."""
-    if not any(logs.items_of(one)["t_collected"].null_count() for one in logs.series):
+    if not any(case.items()["t_collected"].null_count() for case in logs.cases):
         return None
-    looks = style.policy_styles(logs.policies)
-    rows = tuple(
-        _row(logs, (world, policy), looks[policy].colour)
-        for policy in logs.policies
-        for world in logs.run.worlds
-    )
+    rows = tuple(map(_row, logs.by_policy))
     units = ("episodes", "min", "items", "episodes", "steps")
     return Table("clearing", TITLE, COLUMNS, rows, (NOTE,), units, better=(1, -1, -1, -1, -1))

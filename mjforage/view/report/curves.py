@@ -10,26 +10,24 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from mjforage.mission.mission_metrics import Description
+from mjforage.view.page import style
 from mjforage.view.page.figure import (
     WIDTH_IN,
     Panel,
     ReportFigure,
     canvas,
-    joined,
     mathtext,
     undefined,
 )
-from mjforage.view.report.published import elsewhere, published_for
-from mjforage.view.report.run_logs import RunLogs, Series
+from mjforage.view.report.cells import NORMAL_95
+from mjforage.view.report.run_logs import Case, FloatArray, RunLogs
 from mjforage.view.report.step_means import COUNT, STD, drawn_steps
-from mjforage.view.report.text_tables import number
 
-FloatArray = NDArray[np.float64]
-LISTED = 4  # name every policy in a caption up to this many
+MARKS = 8  # on a line
 
 
 @dataclass(frozen=True)
-class Course:
+class TimeSeries:
     """A metric over time, for one world and policy. Steps where it is never defined are NaN."""
 
     time: FloatArray  # (step,) t / T
@@ -37,16 +35,31 @@ class Course:
     half: FloatArray  # (step,) 1.96 SEM, 0 where it needs more episodes
     n: NDArray[np.int64]  # (step,) episodes where it is defined
 
+    def draw(self, axes: Axes, look: style.PolicyStyle, line: str, place: int, among: int) -> None:
+        """Draw the mean with its band, and markers apart from those of the others."""
+        band = self.mean - self.half, self.mean + self.half
+        axes.fill_between(self.time, *band, color=look.colour, alpha=0.16, linewidth=0)
+        stride = max(1, len(self.time) // MARKS)
+        axes.plot(
+            self.time,
+            self.mean,
+            color=look.colour,
+            linestyle=line,
+            marker=look.marker,
+            markersize=5,
+            markevery=(place * stride // max(1, among), stride),
+        )
+
 
 @dataclass(frozen=True)
 class Arrangement:
-    """A figure that shows courses of our metrics together."""
+    """A figure that shows time series of our metrics together."""
 
     name: str
     title: str
-    courses: tuple[str, ...]  # columns of steps.parquet
+    columns: tuple[str, ...]  # of steps.parquet
     words: str  # definitions
-    optional: bool = False  # whether courses without a number are left out, and with all the figure
+    optional: bool = False  # whether those without a number are left out, and with all the figure
 
 
 ARRANGED = (
@@ -92,181 +105,102 @@ ARRANGED = (
     ),
     Arrangement(
         "ages",
-        "How old what agents know is",
+        "Age of information",
         ("aoi", "position_age"),
-        "AoI: mean over the navigable nodes of the steps since a look that the holder has heard "
-        "saw them, T if none; PA: steps since the newest position that an agent has heard of a "
-        "team-mate.",
+        "AoI: mean over the navigable nodes of the steps since the newest measurement of the node "
+        "that the observer has received, T if none; PA: steps since the newest position that an "
+        "agent has received of a team-mate.",
         optional=True,
     ),
     Arrangement(
         "holders",
-        "How unlike the agents' maps are",
+        "Disagreement of the agents' maps",
         ("disagreement", "rmse_holders", "contact"),
-        "Disagreement: RMSE between the maps of two holders, mean over the pairs; RMSE_holders: "
-        "RMSE of a holder's own map; Contact: pairs of agents in reach of each other.",
+        "Disagreement: RMSE between the maps of two observers, mean over the pairs; RMSE_holders: "
+        "RMSE of an observer's own map; Contact: pairs of agents in reach of each other.",
         optional=True,
     ),
 )
-"""What the report shows together; a metric that is in none of them has a figure of its own."""
+"""Metrics that the report shows together; one that is in none of them has a figure of its own."""
 
 
-def course(logs: RunLogs, series: Series, key: str) -> Course:
+def time_series(case: Case, key: str) -> TimeSeries:
     """Mean and 1.96 SEM of a per-step metric over the episodes in which it is defined."""
-    if key not in logs.columns_of_steps:
-        time = drawn_steps(logs.run.horizon) / logs.run.horizon
+    horizon = case.logs.run.horizon
+    if key not in case.logs.columns_of_steps:
+        time = drawn_steps(horizon) / horizon
         nothing = np.full(time.size, np.nan)
-        return Course(time, nothing, nothing, np.zeros(time.size, np.int64))
-    table = logs.select(logs.means, series)
+        return TimeSeries(time, nothing, nothing, np.zeros(time.size, np.int64))
+    table = case.select(case.logs.means)
     n = table[key + COUNT].to_numpy()
     mean = table[key].fill_null(math.nan).to_numpy()
     std = table[key + STD].fill_null(0.0).to_numpy()
-    time = table["step"].to_numpy() / logs.run.horizon
-    return Course(time, mean, 1.96 * std / np.sqrt(np.maximum(n, 1)), n)
+    half = NORMAL_95 * std / np.sqrt(np.maximum(n, 1))
+    return TimeSeries(table["step"].to_numpy() / horizon, mean, half, n)
 
 
-def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Description) -> dict[Series, Course]:
-    looks, lines = panel.styles(), panel.lines()
-    courses = {series: course(logs, series, curve.course) for series in logs.series}
-    for place, ((world, policy), line) in enumerate(courses.items()):
-        look = looks[policy]
-        axes.fill_between(
-            line.time,
-            line.mean - line.half,
-            line.mean + line.half,
-            color=look.colour,
-            alpha=0.16,
-            linewidth=0,
-        )
-        stride = max(1, len(line.time) // 8)
-        axes.plot(
-            line.time,
-            line.mean,
-            color=look.colour,
-            linestyle=lines[world],
-            marker=look.marker,
-            markersize=5,
-            markevery=(place * stride // max(1, len(courses)), stride),
-        )
+def finish(axes: Axes, metric: Description, empty: str) -> None:
+    """Set the ticks of a panel over time; say why nothing is drawn, if so."""
     axes.set_xlim(0.0, 1.0)
-    unit = f"  [{curve.unit}]" if curve.unit else ""
-    axes.set_ylabel(mathtext(curve.course_label) + unit)
     axes.yaxis.set_major_locator(MaxNLocator(5))
-    if any(line.n.any() for line in courses.values()):
-        _limit(axes, curve.top)
-    else:
-        undefined(axes, mathtext(curve.course_label), _why_empty(logs, curve))
-    return courses
+    if empty:
+        undefined(axes, mathtext(metric.course_label or metric.label), empty)
 
 
-def _why_empty(logs: RunLogs, curve: Description) -> str:
-    """Why nothing of a course is drawn."""
-    if curve.course not in logs.columns_of_steps:
-        return "is not in this run, which was made without it"
-    return "is undefined in every episode"
+def series_label(metric: Description) -> str:
+    """Label of an axis of values over time."""
+    unit = f"  [{metric.unit}]" if metric.unit else ""
+    return mathtext(metric.course_label or metric.label) + unit
 
 
-def _limit(axes: Axes, top: float | None) -> None:
-    """Start the axis at 0, with room for a curve that lies on either end."""
-    if top is not None:
-        top = top or max(float(axes.get_ylim()[1]), 1e-9)
+def _plot(axes: Axes, logs: RunLogs, panel: Panel, metric: Description) -> None:
+    """Draw all cases of a run."""
+    looks, lines = panel.styles(), panel.lines()
+    drawn = {case: time_series(case, metric.course) for case in logs.cases}
+    for place, (case, one) in enumerate(drawn.items()):
+        one.draw(axes, looks[case.policy], lines[case.world], place, len(drawn))
+    axes.set_ylabel(series_label(metric))
+    empty = not any(one.n.any() for one in drawn.values())
+    here = metric.course in logs.columns_of_steps
+    missing = "is not in this run, which was made without it"
+    why = "is undefined in every episode" if here else missing
+    finish(axes, metric, why if empty else "")
+    if not empty and metric.top is not None:  # from 0, with room for a curve on either end
+        top = metric.top or max(float(axes.get_ylim()[1]), 1e-9)
         axes.set_ylim(-0.02 * top, 1.03 * top)
 
 
-def _name(logs: RunLogs, series: Series) -> str:
-    return series[1] if len(logs.run.worlds) == 1 else f"{series[1]} ({series[0]})"
-
-
-def _endings(logs: RunLogs, courses: dict[Series, Course], curve: Description) -> str:
-    """Say in words where the curves end."""
-
-    def show(value: float) -> str:
-        return f"{value:.{curve.digits}f}{_unit(curve)}"
-
-    ends = {s: float(line.mean[-1]) for s, line in courses.items() if line.n[-1]}
-    if not ends:
-        drawn = any(line.n.any() for line in courses.values())
-        return "" if drawn else f"{curve.course_label} {_why_empty(logs, curve)}."
-    ranked = sorted(ends, key=lambda s: -ends[s])
-    if len(ranked) > LISTED:
-        high, low = ranked[0], ranked[-1]
-        listed = [
-            f"{show(ends[high])} ({_name(logs, high)}, highest)",
-            f"{show(ends[low])} ({_name(logs, low)}, lowest)",
-        ]
-    else:
-        listed = [f"{show(ends[s])} ({_name(logs, s)})" for s in ranked]
-    return f"{curve.course_label} ends at {joined(listed)}."
-
-
-def _unit(curve: Description) -> str:
-    return f" {curve.unit}" if curve.unit else ""
-
-
-def _paper(logs: RunLogs, curve: Description) -> str:
-    """Say where the paper's curves end; nothing where the run is not one to compare with."""
-    ends: dict[str, list[str]] = {}
-    for policy in logs.policies:
-        known = published_for(logs.run, policy)
-        pooled = known.pooled.mean if known and known.pooled else {}
-        for source, values in (
-            (("Paper", known.printed), ("Paper's public code", pooled)) if known else ()
-        ):
-            if curve.key in values:
-                value = number(values[curve.key], curve.digits)
-                ends.setdefault(source, []).append(f"{value}{_unit(curve)} ({policy})")
-    return "".join(
-        f" {source}{elsewhere(logs.run)}: {joined(listed)}." for source, listed in ends.items()
-    )
-
-
-def _defined(logs: RunLogs, courses: dict[Series, Course], curve: Description) -> str:
-    """Count the episodes in which the metric is defined at the end, where not all of them."""
-    total = logs.run.episodes
-    few = [(s, int(line.n[-1])) for s, line in courses.items() if line.n[-1] < total]
-    if not few or not any(line.n[-1] for line in courses.values()):
-        return ""
-    listed = [f"{n} for {_name(logs, s)}" for s, n in few[:LISTED]]
-    if len(few) > LISTED:
-        listed = [f"{min(n for _, n in few)} or more, by policy"]
-    return f" Defined at the end in {joined(listed)} of {total} episodes; the rest is left out."
-
-
 def time_figure(
-    logs: RunLogs, name: str, title: str, curves: Sequence[Description], definition: str
+    logs: RunLogs, name: str, title: str, metrics: Sequence[Description], definition: str
 ) -> ReportFigure:
-    """Draw one panel per curve, stacked above a common axis of normalised time."""
+    """Draw one panel per metric, stacked above a common axis of normalised time."""
     panel = Panel(logs.policies, logs.run.worlds)
-    height = 1.1 + 2.45 * len(curves)
-    figure = canvas(WIDTH_IN, height)
-    grid = figure.subplots(len(curves), 1, sharex=True, squeeze=False)
-    words = []
-    for axes, curve in zip(grid[:, 0], curves, strict=True):
-        courses = _plot(axes, logs, panel, curve)
-        end = _endings(logs, courses, curve)
-        words += [end + _defined(logs, courses, curve) + _paper(logs, curve)] if end else []
+    figure = canvas(WIDTH_IN, 1.1 + 2.45 * len(metrics))
+    grid = figure.subplots(len(metrics), 1, sharex=True, squeeze=False)
+    for axes, metric in zip(grid[:, 0], metrics, strict=True):
+        _plot(axes, logs, panel, metric)
     grid[-1, 0].set_xlabel("normalised time  $t/T$")
     panel.legend(figure)
-    return ReportFigure(name, title, " ".join((*words, definition)), figure)
+    return ReportFigure(name, title, definition, figure)
 
 
 def _has_numbers(logs: RunLogs, key: str) -> bool:
-    """Whether a course is defined anywhere."""
+    """Whether a time series is defined anywhere."""
     return key in logs.columns_of_steps and bool(logs.means[key + COUNT].sum())
 
 
 def time_figures(logs: RunLogs) -> list[ReportFigure]:
-    """Every figure over time, in the order of the report: ours, then one per other course."""
-    courses, figures = logs.courses, []
+    """Every figure over time, in the order of the report: ours, then one per other metric."""
+    metrics, figures = logs.courses, []
     for one in ARRANGED:
-        shown = [key for key in one.courses if not one.optional or _has_numbers(logs, key)]
+        shown = [key for key in one.columns if not one.optional or _has_numbers(logs, key)]
         if shown:
-            about = one.name, one.title, [courses[key] for key in shown], one.words
+            about = one.name, one.title, [metrics[key] for key in shown], one.words
             figures.append(time_figure(logs, *about))
-    arranged = {key for one in ARRANGED for key in one.courses}
-    for key, curve in courses.items():
+    arranged = {key for one in ARRANGED for key in one.columns}
+    for key, metric in metrics.items():
         if key not in arranged and key in logs.columns_of_steps:
-            name, title = f"course-{key.replace('_', '-')}", f"{curve.course_label} over time"
-            words = f"{curve.course_label}: {curve.definition}."
-            figures.append(time_figure(logs, name, title, [curve], words))
+            name, title = f"course-{key.replace('_', '-')}", f"{metric.course_label} over time"
+            words = f"{metric.course_label}: {metric.definition}."
+            figures.append(time_figure(logs, name, title, [metric], words))
     return figures

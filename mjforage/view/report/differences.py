@@ -1,14 +1,23 @@
 """A paired difference as tables and figures show it, and which of several are set apart from 0."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mjforage.metrics import Interval, holm, paired_difference, paired_p, statistics
 from mjforage.mission.mission_metrics import Description
-from mjforage.view.page.table import Number
-from mjforage.view.report.text_tables import NORMAL_95, NOTHING, needed_digits, number
+from mjforage.view.page.table import NOTHING, Number
+from mjforage.view.report.cells import (
+    NORMAL_95,
+    Cell,
+    interval_cell,
+    needed_digits,
+    number,
+    number_cell,
+    span,
+)
+from mjforage.view.report.run_logs import FloatArray
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
 LEVEL = 0.05  # of a whole family of tests
@@ -42,53 +51,39 @@ class Estimate:
         self._digits = needed_digits((self.high - self.low) / 2, digits)
 
     @property
-    def full(self) -> Number:
+    def number(self) -> Number:
         """Number and interval, unrounded."""
         return Number(self.value, self.low, self.high)
-
-    @property
-    def split(self) -> tuple[Number, Number]:
-        """The same for a cell with the number and one with the interval."""
-        return Number(self.value), Number(float("nan"), self.low, self.high)
-
-    @property
-    def text(self) -> str:
-        """The number."""
-        return number(self.value, self._digits)
-
-    @property
-    def interval(self) -> str:
-        """Its interval."""
-        if not np.isfinite(self.low):
-            return NOTHING
-        return f"{number(self.low, self._digits)} to {number(self.high, self._digits)}"
 
     @property
     def leaves_out_zero(self) -> bool:
         """Whether its interval does, as it is shown."""
         return round(self.low, self._digits) > 0 or round(self.high, self._digits) < 0
 
-    @property
-    def cell(self) -> str:
+    def cell(self, best: bool = False, also: str = "") -> Cell:
         """Number and interval in one cell; a dash where undefined, no interval where that is."""
-        if not self.n:
-            return NOTHING
-        if not np.isfinite(self.low):
-            return self.text
-        return f"{self.text} ({self.interval})"
+        text = interval_cell(self.number, self._digits).text if self.n else NOTHING
+        return Cell(text, self.number, also, best)
+
+    def cells(self, p: float, best: bool) -> tuple[Cell, Cell, Cell]:
+        """The number, its interval, and a corrected p-value."""
+        interval = Number(math.nan, self.low, self.high)
+        words = span(self.low, self.high, self._digits) if math.isfinite(self.low) else NOTHING
+        value = number_cell(self.value, self._digits, best=best)
+        return value, Cell(words, interval), Cell(p_text(p), Number(p))
 
 
 class Difference(Estimate):
     """Mean of x - y over the episodes where both are defined, with its bootstrap interval."""
 
-    def __init__(self, x: NDArray[np.float64], y: NDArray[np.float64], metric: Description) -> None:
+    def __init__(self, x: FloatArray, y: FloatArray, metric: Description) -> None:
         """Compare x (episode,) with y (episode,), where entry i of both is the same episode."""
         self.normal = len(x) >= MANY
         found = _normal(x - y) if self.normal else paired_difference(x, y, SEED)
         super().__init__(found, float(paired_p(x, y)), metric.digits)
 
 
-def _normal(differences: NDArray[np.float64]) -> Interval:
+def _normal(differences: FloatArray) -> Interval:
     """Mean ± 1.96 SEM: of so many episodes the bootstrap's is no other, and takes a second each."""
     mean, half = statistics.mean(differences), NORMAL_95 * statistics.sem(differences)
     return Interval(mean, mean - half, mean + half, statistics.count(differences))
@@ -124,3 +119,9 @@ def family_note(family: Sequence[Estimate], where: str = "this table", how: str 
         f"{'s' if tests != 1 else ''} of {where}"
         f"{NORMAL if any(one.normal for one in family) else ''}"
     )
+
+
+def judged(lines: Sequence[Sequence[Estimate]]) -> list[list[Cell]]:
+    """Cells of rows of estimates, tested as one family: bold where they differ from 0."""
+    apart = iter(set_apart([one for line in lines for one in line]))
+    return [[one.cell(next(apart)) for one in line] for line in lines]

@@ -1,4 +1,4 @@
-"""How the hulls did: outcomes of moves, speeds, touches and energy, from `agents.parquet`."""
+"""Performance of the hulls: outcomes of moves, speeds, contacts and energy, by team."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -9,24 +9,22 @@ from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, OUTCOMES
 from mjforage.runs.parquet import collected, scan_parquet
 from mjforage.runs.run_info import REMEDY
-from mjforage.view.page.table import Number, Row, Table
-from mjforage.view.report.run_logs import RunLogs, Series
-from mjforage.view.report.step_means import BLOCK, KEYS
-from mjforage.view.report.text_tables import head_of, number
+from mjforage.view.page.table import Row, Table
+from mjforage.view.report.cells import number_cell, row
+from mjforage.view.report.run_logs import Case, RunLogs
+from mjforage.view.report.step_means import KEYS
 
+BLOCK = 250_000  # rows that are held at once
 COLUMNS = (
     *("step", "agent", "direction", "outcome", "speed_mps"),
     *("collisions", "impact_mps", "work_j"),
 )
-
-
 SHOWN = (
-    *(("moves", ""), ("arrived", "%"), ("late", "%"), ("blocked", "%"), ("stays", "")),
-    *(("kept", "%"), ("speed", "m/s"), ("touches", "per episode"), ("fastest touch", "m/s")),
-    *(("energy", "kJ per episode"), ("energy", "kJ per item")),
+    *(("moves", "", 0), ("arrived", "%", 2), ("late", "%", 2), ("blocked", "%", 2)),
+    *(("stays", "", 0), ("kept", "%", 2), ("speed", "m/s", 2), ("touches", "per episode", 2)),
+    *(("fastest touch", "m/s", 2), ("energy", "kJ per episode", 1), ("energy", "kJ per item", 2)),
 )
-"""Column -> unit, in the order of `_figures`."""
-DIGITS = (0, 2, 2, 2, 0, 2, 2, 2, 2, 1, 2)
+"""Column, unit and digits, in the order of `_figures`."""
 NOTE = (
     "Arrived: midships came within 1 m of the target's centre during the decision; blocked: "
     "slower than 0.1 m/s for 2 s because of contact or giving way, or no legal move; late: "
@@ -34,11 +32,8 @@ NOTE = (
     "the decision. Speed: mean over the decisions with any way made. Touch: of a quay or "
     "another hull. Energy: drawn from the batteries by thrusters and all else on board."
 )
-
-
 _STAYS = (pl.col("direction") == STAY) & (pl.col("outcome") != OUTCOMES[BLOCKED])
 _MOVING = pl.col("speed_mps") > 0
-_WORK = pl.col("work_j").cast(pl.Float64)
 _LAST = pl.col("step") == pl.col("step").max().over("episode", "agent")
 _SUMS: dict[str, pl.Expr] = {
     **{name: (~_STAYS & (pl.col("outcome") == name)).sum() for name in OUTCOMES},
@@ -49,7 +44,7 @@ _SUMS: dict[str, pl.Expr] = {
     "speed": pl.col("speed_mps").cast(pl.Float64).filter(_MOVING).sum(),
     "touches": pl.col("collisions").filter(_LAST).sum(),
     "episodes": pl.col("episode").n_unique(),
-    "work": _WORK.filter(_LAST).sum(),
+    "work": pl.col("work_j").cast(pl.Float64).filter(_LAST).sum(),
     "impact": pl.col("impact_mps").max().cast(pl.Float64),
 }
 """Of the decisions made (step 1 on) in whole episodes; all but the last are added up."""
@@ -66,9 +61,9 @@ def _figures(parts: pl.DataFrame, removed: float) -> tuple[float, ...]:
     total = {name: float(parts[name].sum()) for name in _SUMS}
     episodes, impact = max(1.0, total["episodes"]), parts["impact"].max()
     return (
-        int(total["moves"]),
+        total["moves"],
         *(_share(total[name], total["moves"]) for name in OUTCOMES),
-        int(total["stays"]),
+        total["stays"],
         _share(total["kept"], total["stays"]),
         total["speed"] / total["moving"] if total["moving"] else math.nan,
         total["touches"] / episodes,
@@ -83,12 +78,12 @@ def _share(part: float, whole: float) -> float:
     return 100 * part / whole if whole else math.nan
 
 
-def _blocks(logs: RunLogs, series: Series, episodes: int) -> Iterator[pl.DataFrame]:
+def _blocks(case: Case, episodes: int) -> Iterator[pl.DataFrame]:
     """Decisions of the first episodes of a world and policy, in blocks that fit the memory."""
-    path, (world, policy) = logs.folder / "agents.parquet", series
-    each = max(1, BLOCK // ((logs.run.horizon + 1) * max(1, len(logs.run.agents))))
+    path, run = case.logs.folder / "agents.parquet", case.logs.run
+    each = max(1, BLOCK // ((run.horizon + 1) * max(1, len(run.agents))))
     rows = scan_parquet(path, (*KEYS, *COLUMNS), REMEDY).filter(
-        pl.col("world") == world, pl.col("policy") == policy, pl.col("step") > 0
+        pl.col("step") > 0, world=case.world, policy=case.policy
     )
     for first in range(0, episodes, each):
         block = pl.col("episode").is_between(first, min(first + each, episodes) - 1)
@@ -96,42 +91,39 @@ def _blocks(logs: RunLogs, series: Series, episodes: int) -> Iterator[pl.DataFra
 
 
 def hulls_table(runs: Mapping[str, RunLogs], episodes: int | None = None) -> Table | None:
-    """Outcomes, speeds, touches and energy of every team; None for runs at graph level only.
+    """Outcomes, speeds, contacts and energy of every team; None for runs at graph level only.
 
     Parameters
     ----------
     runs : what stands before the policies -> run
     episodes : how many of each run's; all if None
     """
-    rows = [row for name, logs in runs.items() for row in _rows(name, logs, episodes)]
-    if not rows:
-        return None
-    labels, units = zip(*SHOWN, strict=True)
-    return Table("hulls", "How the hulls did", labels, tuple(rows), (NOTE,), units, head="team")
+    rows = tuple(
+        row
+        for name, logs in runs.items()
+        for case in logs.by_policy
+        if case.world != "graph"
+        for row in _rows(name, case, logs.run.episodes if episodes is None else episodes)
+    )
+    labels, units, _ = zip(*SHOWN, strict=True)
+    title = "Performance of the hulls"
+    return Table("hulls", title, labels, rows, (NOTE,), units, head="team") if rows else None
 
 
-def _rows(name: str, logs: RunLogs, episodes: int | None) -> Iterator[Row]:
-    worlds = [world for world in logs.run.worlds if world != "graph"]
-    if not worlds or not logs.run.agents:
-        return
-    count = logs.run.episodes if episodes is None else episodes
+def _rows(name: str, case: Case, episodes: int) -> Iterator[Row]:
     teams: dict[str, list[int]] = {}
-    for i, agent in enumerate(logs.run.agents):
+    for i, agent in enumerate(case.logs.run.agents):
         teams.setdefault(agent.team, []).append(i)
-    for policy in logs.policies:
-        for world in worlds:
-            series = (world, policy)
-            items = logs.items_of(series).filter(pl.col("episode") < count)
-            removed = float(items["t_collected"].drop_nulls().len())
-            group = ": ".join(filter(None, (name, head_of(logs, series))))
-            parts = [
-                {
-                    team: rows.filter(pl.col("agent").is_in(own)).select(**_SUMS)
-                    for team, own in teams.items()
-                }
-                for rows in _blocks(logs, series, count)
-            ]
-            for team in teams:
-                found = _figures(pl.concat([part[team] for part in parts]), removed)
-                cells = tuple(map(number, found, DIGITS))
-                yield Row(team, cells, group=group, values=tuple(map(Number, found)))
+    items = case.items().filter(pl.col("episode") < episodes)
+    removed = float(items["t_collected"].drop_nulls().len())
+    parts = [
+        {
+            team: rows.filter(pl.col("agent").is_in(own)).select(**_SUMS)
+            for team, own in teams.items()
+        }
+        for rows in _blocks(case, episodes)
+    ]
+    for team in teams:
+        found = _figures(pl.concat([part[team] for part in parts]), removed)
+        cells = [number_cell(x, digits) for x, (*_, digits) in zip(found, SHOWN, strict=True)]
+        yield row(team, cells, group=": ".join(filter(None, (name, case.head))))

@@ -148,9 +148,13 @@ def draw_counts(
     return axes.imshow(shown, cmap=shades, norm=norm, interpolation="nearest")
 
 
-def _bar(figure: Figure, image: AxesImage, panels: Sequence[Axes], label: str) -> None:
-    bar = figure.colorbar(image, ax=panels, shrink=0.6, pad=0.015, aspect=28, label=label)
-    bar.ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+def colour_bar(
+    figure: Figure, image: AxesImage, panels: Sequence[Axes], label: str, **place: Any
+) -> None:
+    """Draw a bar of whole numbers beside panels, or below them."""
+    bar = figure.colorbar(image, ax=list(panels), label=label, **place)
+    axis = bar.ax.xaxis if place.get("location") == "bottom" else bar.ax.yaxis
+    axis.set_major_locator(MaxNLocator(6, integer=True))
     bar.ax.minorticks_off()
     bar.ax.tick_params(length=0)
     bar.outline.set_visible(False)
@@ -205,7 +209,8 @@ def scenario_figure(logs: RunLogs, replay: Recording) -> ReportFigure:
         image = draw_counts(axes, replay.navigable, shown, top, colours)
         frame_port(axes, replay.navigable)
         axes.set_title(title)
-        _bar(figure, image, panels, f"{title[4:]} per node")
+        place: dict[str, Any] = {"shrink": 0.6, "pad": 0.015, "aspect": 28}
+        colour_bar(figure, image, panels, f"{title[4:]} per node", **place)
     _legend(figure, replay.agent_collects)
     return ReportFigure(
         "scenario", "The scenario", _words(logs, replay, step, counts, belief), figure, wide=True

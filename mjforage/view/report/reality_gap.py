@@ -1,26 +1,24 @@
 """The reality gap: the same episodes in several worlds, paired, and what each piece of it costs."""
 
-import itertools
-from dataclasses import replace
+from itertools import pairwise
 
-from mjforage.mission.mission_metrics import Description, describe
+from mjforage.mission.mission_metrics import describe
 from mjforage.physics.worlds import added
 from mjforage.scenario.scenario_file import scenario_from_tree
-from mjforage.view.page.table import Number, Row, Table
-from mjforage.view.report.differences import (
-    Difference,
-    corrected,
-    family_note,
-    p_text,
-    set_apart,
-)
-from mjforage.view.report.run_logs import RunLogs, Series
-from mjforage.view.report.text_tables import HEADLINE, entry_of, in_full, plus_minus
+from mjforage.view.page.table import Table
+from mjforage.view.report.contrasts import Contrast, differences_table, every_metric_table
+from mjforage.view.report.run_logs import Case, RunLogs
+from mjforage.view.report.text_tables import HEADLINE, undefined_note
 
 
-def _step(logs: RunLogs, here: Series, there: Series, metric: Description) -> Difference:
-    """One world minus another in one metric, over the same episodes of a policy."""
-    return Difference(logs.scalar(here, metric.key), logs.scalar(there, metric.key), metric)
+def gap_tables(logs: RunLogs) -> list[Table]:
+    """What each world adds, with three or more, and every metric in the first and the last one."""
+    tables = (levels_table(logs), gap_table(logs))
+    return [table for table in tables if table is not None]
+
+
+def _between(logs: RunLogs, policy: str, world: str, before: str, head: str = "") -> Contrast:
+    return Contrast(head, Case(logs, world, policy), Case(logs, before, policy), policy)
 
 
 def gap_table(logs: RunLogs) -> Table | None:
@@ -29,76 +27,46 @@ def gap_table(logs: RunLogs) -> Table | None:
     None with one world. Metrics that no episode of a policy defines are left out, and named if none
     of any does.
     """
-    worlds = logs.run.worlds
-    if len(worlds) < 2:
+    first, last = logs.run.worlds[0], logs.run.worlds[-1]
+    if first == last:
         return None
-    first, last = worlds[0], worlds[-1]
-    metrics = [one for one in logs.metrics.values() if logs.defined(one.key)]
-    nowhere = [one.label for one in logs.metrics.values() if not logs.defined(one.key)]
-    lines = [
-        (policy, metric, _step(logs, (last, policy), (first, policy), metric))
-        for policy in logs.policies
-        for metric in metrics
-        if any(entry_of(logs.summary, (world, policy), metric.key).n for world in (first, last))
-    ]
-    family = [step for _, _, step in lines]
-    rows = []
-    for (policy, metric, step), p, apart in zip(
-        lines, corrected(family), set_apart(family), strict=True
-    ):
-        ends = [entry_of(logs.summary, (world, policy), metric.key) for world in (first, last)]
-        means = (plus_minus(entry, metric.digits) for entry in ends)
-        cells = (*means, step.text, step.interval, p_text(p), str(step.n))
-        best = frozenset({2} if apart else ())
-        values = (*map(in_full, ends), *step.split, Number(p), Number(step.n))
-        row = Row(metric.head, cells, group=policy, best=best, values=values)
-        rows.append(replace(row, better=metric.better))
-    notes = (
+    return every_metric_table(
+        "gap",
+        f"Every metric, {last} minus {first}",
+        list(logs.metrics.values()),
+        [_between(logs, policy, last, first) for policy in logs.policies],
         "The same episodes in both worlds: equal items, drift and starts. Difference: "
         f"{last} minus {first}, mean over the episodes where both are defined, with the bootstrap "
-        f"95 % interval of itself alone; {family_note(family)} (p).",
-        *([f"Undefined in every episode: {', '.join(nowhere)}."] if nowhere else []),
+        "95 % interval of itself alone",
+        (first, last),
+        swapped=True,
+        notes=undefined_note(one for one in logs.metrics.values() if not logs.defined(one.key)),
     )
-    columns = (first, last, "difference", "95 % interval", "p", "n")
-    title = f"Every metric, {last} minus {first}"
-    return Table("gap", title, columns, tuple(rows), notes, head="metric")
 
 
-def ladder_table(logs: RunLogs) -> Table | None:
+def levels_table(logs: RunLogs) -> Table | None:
     """What each world adds to the one before it, in the headline metrics.
 
     None with fewer than three worlds.
     """
-    worlds = logs.run.worlds
-    if len(worlds) < 3:
+    steps = list(pairwise(logs.run.worlds))
+    if len(steps) < 2:
         return None
-    metrics = [describe(key) for key in HEADLINE]
-    lines = [
-        (policy, world, [_step(logs, (world, policy), (before, policy), one) for one in metrics])
-        for policy in logs.policies
-        for before, world in itertools.pairwise(worlds)
-    ]
-    family = [step for _, _, steps in lines for step in steps]
-    apart = iter(set_apart(family))
-    rows = [
-        Row(
-            f"+ {world}",
-            tuple(step.cell for step in steps),
-            group=policy,
-            best=frozenset(place for place in range(len(steps)) if next(apart)),
-            values=tuple(step.full for step in steps),
-        )
-        for policy, world, steps in lines
-    ]
     scenario = scenario_from_tree(dict(logs.run.scenario), str(logs.folder / "run.json"))
-    words = "; ".join(
+    adds = "; ".join(
         f"+ {world}: {', '.join(added(scenario, before, world)) or 'nothing'}"
-        for before, world in itertools.pairwise(worlds)
+        for before, world in steps
     )
-    notes = (
-        "Each row adds a piece of reality to the row above, on the same episodes: paired mean "
-        f"difference and bootstrap 95 % interval of itself alone; {family_note(family)}. {words}.",
+    return differences_table(
+        "ladder",
+        "Fidelity levels",
+        [describe(key) for key in HEADLINE],
+        [
+            _between(logs, policy, world, before, f"+ {world}")
+            for policy in logs.policies
+            for before, world in steps
+        ],
+        f"Each row adds a piece of reality to the row above ({adds}), on the same episodes: paired "
+        "mean difference and bootstrap 95 % interval of itself alone",
+        "world",
     )
-    labels, units = tuple(one.label for one in metrics), tuple(one.unit for one in metrics)
-    table = Table("ladder", "The gap ladder", labels, tuple(rows), notes, units, head="world")
-    return replace(table, better=tuple(one.better for one in metrics))

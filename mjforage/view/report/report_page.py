@@ -1,17 +1,29 @@
-"""`report.html` of a run: what it is set from, and what it says of itself."""
+"""`report.html` of a run: its tables, its figures, and the page of them."""
 
 import json
-from collections.abc import Sequence
-from typing import Any
+from collections import Counter
+from collections.abc import Mapping, Sequence
 
 from mjforage.runs.run_info import RunInfo
-from mjforage.view.page import EmbeddedFigure, groups, render_page, style
-from mjforage.view.report.all_tables import ReportTables
+from mjforage.view.page import Table, style
+from mjforage.view.page.figure import ReportFigure, house_style
+from mjforage.view.report.cells import minutes, number
+from mjforage.view.report.clearing import clearing_table
+from mjforage.view.report.curves import time_figures
 from mjforage.view.report.differences import too_few
-from mjforage.view.report.run_logs import RunLogs
-from mjforage.view.report.shown import LARGEST, cut, left_out
-from mjforage.view.report.text_tables import minutes, number
-from mjforage.view.report.web_replay import BUDGET, WebReplay, web_replay
+from mjforage.view.report.distributions import distribution_figures
+from mjforage.view.report.hull_tables import hulls_table
+from mjforage.view.report.map_figures import scenario_figure
+from mjforage.view.report.policy_pairs import comparison_table
+from mjforage.view.report.reality_gap import gap_tables
+from mjforage.view.report.run_logs import RunLogs, pick_replay
+from mjforage.view.report.sections import Page, Section
+from mjforage.view.report.shown import left_out
+from mjforage.view.report.text_tables import full_table, headline_table, paper_tables
+from mjforage.view.report.track_figure import tracks_figure
+
+CASES = 300  # worlds and policies of the headline table on the page
+CLEARED = "Every policy cleared the map in every episode."
 
 
 def map_words(run: RunInfo) -> str:
@@ -27,12 +39,18 @@ def horizon_words(run: RunInfo) -> str:
     return f"T = {run.horizon} steps of {run.period_s:g} s: {length_min} min"
 
 
+def curve_words(run: RunInfo) -> str:
+    """How to read figures over time."""
+    return (
+        "Lines: mean of the episodes where the metric is defined; bands: ± 1.96 SEM. Time is "
+        f"normalised by the horizon, {horizon_words(run)}."
+    )
+
+
 def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
     run = logs.run
-    fleet: dict[str, int] = {}
-    for agent in run.agents:
-        fleet[agent.team] = fleet.get(agent.team, 0) + 1
+    fleet = Counter(agent.team for agent in run.agents)
     each = "policy" if len(run.worlds) == 1 else "policy and world"
     timings = ", ".join(
         f"{key[:-2]} {value:.1f} s" if key.endswith("_s") else f"{key} {value:g}"
@@ -49,83 +67,130 @@ def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
         ("Started", run.started),
         ("Time spent", timings or "not logged"),
         ("Versions", ", ".join(f"{name} {version}" for name, version in run.versions.items())),
+        ("Hash", run.hash),
     ]
 
 
-def definition_notes() -> list[str]:
-    """Where our numbers follow another definition than the paper's printed ones."""
-    return [
-        "RMSE is taken over the navigable nodes, as the paper's equation says. The numbers it "
-        "printed are the mean over the map's columns of each column's error, land included, about "
-        "3.8 times smaller on its map; RMSE_columns repeats that.",
-        "CSR is undefined in an episode with nothing removed, which is then left out and counted; "
-        "the printed numbers count it as 0.",
-        "ITL compares the steps of the largest rise of PTA_D and PTA_C, as the printed numbers do; "
-        "ITL_level compares the maxima of the curves themselves, as the paper's text says.",
-        "Idleness is reset by the views of all agents of both teams together. Series of an episode "
-        "that ends early are padded with their last value, also for CO, as in the printed numbers.",
-        "A node is seen at a distance up to and including the sensing radius; the paper's formula "
-        "excludes that distance, its runs include it.",
-        "Staying put is a legal action unless the scenario switches it off; the paper's runs had "
-        "no such action.",
-        "A policy marked (bound) is shown where the items are and how they drift: it tells how far "
-        "from the possible the others are, and is left out where the best is picked.",
-        "Episode i has the same items, weather and starts for every policy, so differences can be "
-        "paired. In the paper's code the drift noise shared a stream with the policies' own draws.",
-        "Undefined values (–) are left out of means and intervals; n counts what is left. With one "
-        "episode there is no standard error.",
-    ]
+NOTES = (
+    "RMSE is taken over the navigable nodes, as the paper's equation says. The numbers it "
+    "printed are the mean over the map's columns of each column's error, land included, about "
+    "3.8 times smaller on its map; RMSE_columns repeats that.",
+    "CSR is undefined in an episode with nothing removed, which is then left out and counted; "
+    "the printed numbers count it as 0.",
+    "ITL compares the steps of the largest rise of PTA_D and PTA_C, as the printed numbers do; "
+    "ITL_level compares the maxima of the curves themselves, as the paper's text says.",
+    "Idleness is reset by the views of all agents of both teams together. Series of an episode "
+    "that ends early are padded with their last value, also for CO, as in the printed numbers.",
+    "A node is seen at a distance up to and including the sensing radius; the paper's formula "
+    "excludes that distance, its runs include it.",
+    "Staying put is a legal action unless the scenario switches it off; the paper's runs had "
+    "no such action.",
+    "A policy marked (bound) receives the true items and their drift: it is an upper bound, and "
+    "is left out where the best is marked.",
+    "Episode i has the same items, weather and starts for every policy, so differences can be "
+    "paired. In the paper's code the drift noise shared a stream with the policies' own draws.",
+    "Undefined values (–) are left out of means and intervals; n counts what is left. With one "
+    "episode there is no standard error.",
+)
+"""Where our numbers follow another definition than the paper's printed ones."""
 
 
-class ReportPage:
-    """The whole report as HTML, below 5 MB.
+def notes_section(notes: Sequence[str] = NOTES) -> Section:
+    """Those notes, and others before them."""
+    return Section("notes", "Notes on definitions", items=notes)
+
+
+def draw_tables(logs: RunLogs, shown: RunLogs) -> dict[str, list[Table]]:
+    """Tables of the policies that are shown, by section; the headline is of all, if it has room."""
+    several = {
+        "clearing": clearing_table(shown),
+        "hulls": hulls_table({"": shown}),
+        "paired": comparison_table(shown),
+    }
+    return metric_tables(shown) | {
+        "headline": [headline_table(shown if len(logs.cases) > CASES else logs)],
+        "gap": gap_tables(shown),
+        **{name: [table] if table else [] for name, table in several.items()},
+    }
+
+
+def metric_tables(logs: RunLogs) -> dict[str, list[Table]]:
+    """Tables of metrics of all policies of a run, by section."""
+    return {
+        "headline": [headline_table(logs)],
+        "papers": paper_tables(logs),
+        "full": [full_table(logs)],
+    }
+
+
+def draw_figures(logs: RunLogs) -> list[ReportFigure]:
+    """Draw every figure, in the order of the report: scenario, tracks, curves, distributions.
+
+    The scenario is drawn from a replay: a run that keeps none goes without.
+    """
+    replay = pick_replay(logs)
+    with house_style():
+        return [
+            *([scenario_figure(logs, replay)] if replay else []),
+            tracks_figure(logs),
+            *time_figures(logs),
+            *distribution_figures(logs),
+        ]
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things, each of which is one such noun."""
+    plural = f"{noun[:-1]}ies" if noun.endswith("y") else f"{noun}s"
+    return f"{number} {noun if number == 1 else plural}"
+
+
+def scenario_text(tree: object) -> str:
+    """Settings in full."""
+    return json.dumps(tree, indent=2, ensure_ascii=False)
+
+
+def report_page(
+    logs: RunLogs,
+    shown: RunLogs,
+    tables: Mapping[str, Sequence[Table]],
+    pictures: Sequence[ReportFigure],
+) -> Page:
+    """The page of a run.
 
     Parameters
     ----------
     logs, shown : the run, and what of it the page shows
-    tables : of both
-
-    Attributes
-    ----------
-    room : characters left for figures and replay
+    tables : of both, by section
+    pictures : of what is shown
     """
-
-    def __init__(self, logs: RunLogs, shown: RunLogs, tables: ReportTables) -> None:
-        self._logs, self._shown = logs, shown
-        self._version = logs.run.versions.get("mjforage", "")
-        paired = cut(tables.paired)
-        self._content: dict[str, Any] = {
-            "run": logs.run,
-            "left_out": left_out(logs, shown),
-            "chips": {
-                name: look.colour for name, look in style.policy_styles(shown.policies).items()
-            },
-            "facts": run_facts(logs),
-            "headline": tables.headline,
-            "few": too_few(logs.run.episodes),
-            "papers": [cut(table) for table in tables.papers],
-            "full": cut(tables.full),
-            "paired": paired,
-            "gap": [cut(table) for table in tables.gap],
-            "hulls": cut(tables.hulls),
-            "clearing": cut(tables.clearing),
-            "pairs": len(groups(paired.rows)) if paired else 0,
-            "notes": definition_notes(),
-            "horizon_min": number(minutes(logs.run, logs.run.horizon), 0),
-            "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
-        }
-        self.room = LARGEST - len(self._set((), None))
-
-    def text(self, figures: Sequence[EmbeddedFigure]) -> str:
-        """The page with these figures, and as much of the replay as there is room for."""
-        room = self.room - sum(len(figure.source) for figure in figures)
-        folders = {"": self._logs.folder}
-        return self._set(figures, web_replay(folders, min(BUDGET, room), self._shown.policies))
-
-    def _set(self, figures: Sequence[EmbeddedFigure], replay: WebReplay | None) -> str:
-        parts = {
-            "wide": [figure for figure in figures if figure.wide],
-            "narrow": [figure for figure in figures if not figure.wide],
-            "replay": replay,
-        }
-        return render_page("report.html.j2", self._version, self._content | parts)
+    run = logs.run
+    said = (left_out(logs, shown), too_few(run.episodes), "" if tables["clearing"] else CLEARED)
+    wide, narrow = ([one for one in pictures if one.wide is w] for w in (True, False))
+    sections = [
+        Section(
+            "result",
+            "Result in brief",
+            " ".join(filter(None, said)),
+            [*tables["headline"], *tables["clearing"]],
+        ),
+        Section("run", "What was run", facts=run_facts(logs), texts={"Command": run.command}),
+        Section("scene", "Scenario and tracks", pictures=wide),
+        Section("figures", "Figures", curve_words(run), pictures=narrow),
+        Section("gap", "The reality gap", folded=tables["gap"]),
+        Section("hulls", "Performance of the hulls", folded=tables["hulls"]),
+        Section("tables", "The paper's tables", tables=tables["papers"]),
+        Section("all", "All metrics", folded=tables["full"]),
+        Section("comparison", "Paired comparison", folded=tables["paired"]),
+        notes_section(),
+        Section(
+            "settings",
+            "Settings in full",
+            details={"Scenario as it was run (JSON)": scenario_text(run.scenario)},
+        ),
+    ]
+    worlds = f"world{'s' if len(run.worlds) > 1 else ''} {', '.join(run.worlds)}"
+    played = f"{counted(len(run.policies), 'policy')}, {counted(run.episodes, 'episode')} each"
+    lead = f"{played}, {worlds}, map {run.map.name}"
+    chips = {name: look.colour for name, look in style.policy_styles(shown.policies).items()}
+    version = run.versions.get("mjforage", "")
+    return Page(run.name, lead, [one for one in sections if not one.empty], version, chips=chips)

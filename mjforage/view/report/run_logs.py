@@ -20,6 +20,7 @@ from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.view.page import style
 from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_means
 
+FloatArray = NDArray[np.float64]
 ITEM_COLUMNS = ("item", "t_discovered", "discovered_by", "t_collected", "collected_by")
 AGENT_COLUMNS = ("step", "agent", "x_m", "y_m")
 TRACK_STEPS = 1000  # of an episode whose tracks are drawn
@@ -38,18 +39,17 @@ class Summary:
     n: int  # episodes where the metric is defined
 
 
+UNDEFINED = Summary(math.nan, math.nan, math.nan, math.nan, math.nan, 0)
+
 Summaries = dict[str, dict[str, dict[str, Summary]]]
 """World, policy, metric key."""
 
-Series = tuple[str, str]
-"""World and policy."""
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RunLogs:
-    """Everything the report is made from. Undefined numbers in the frames are null.
+    """Logs of a run. Undefined numbers in the frames are null.
 
-    The larger tables stay on disk: what is asked of them is read when it is asked for.
+    The larger tables stay on disk, and are read when they are asked for.
     """
 
     folder: Path
@@ -63,17 +63,14 @@ class RunLogs:
         return style.ordered(self.run.policies)
 
     @property
-    def series(self) -> tuple[Series, ...]:
+    def cases(self) -> tuple["Case", ...]:
         """Every world and policy, worlds outermost."""
-        return tuple((world, policy) for world in self.run.worlds for policy in self.policies)
+        return tuple(Case(self, world, one) for world in self.run.worlds for one in self.policies)
 
-    def select(self, frame: pl.DataFrame, series: Series) -> pl.DataFrame:
-        """Rows of one world and policy."""
-        return frame.filter((pl.col("world") == series[0]) & (pl.col("policy") == series[1]))
-
-    def scalar(self, series: Series, key: str) -> NDArray[np.float64]:
-        """Return one metric per episode, in episode order; NaN where undefined: (episode,)."""
-        return scalar(self.select(self.episodes, series), key)
+    @property
+    def by_policy(self) -> tuple["Case", ...]:
+        """Every world and policy, policies outermost."""
+        return tuple(Case(self, world, one) for one in self.policies for world in self.run.worlds)
 
     @cached_property
     def metrics(self) -> dict[str, Description]:
@@ -83,7 +80,7 @@ class RunLogs:
         """
         theirs = {one.key: one for one in self.run.metrics}
         here = {one.key: description(one) for one in chosen_metrics()}
-        found = {key for world, policy in self.series for key in self.summary[world][policy]}
+        found = {key for case in self.cases for key in self.summary[case.world][case.policy]}
         keys = [*here, *sorted(found - set(here))]
         return {key: theirs.get(key) or here.get(key) or describe(key) for key in keys}
 
@@ -93,31 +90,27 @@ class RunLogs:
 
     def defined(self, key: str) -> bool:
         """Whether a metric is defined in some episode of the run."""
-        return any(
-            key in self.summary[world][policy] and self.summary[world][policy][key].n > 0
-            for world, policy in self.series
-        )
+        return any(case.summary(key).n for case in self.cases)
 
     @cached_property
     def courses(self) -> dict[str, Description]:
-        """Metrics that have a course, by its column of `steps.parquet`; unknown columns last."""
+        """Metrics that have a time series, by its column of `steps.parquet`; unknown ones last."""
         known = {one.course: one for one in self.metrics.values() if one.course}
-        found = self.columns_of_steps
         others = {
             key: replace(describe(key), course=key, course_label=key)
-            for key in found
+            for key in self.columns_of_steps
             if key not in known
         }
         return known | others
 
     @cached_property
     def columns_of_steps(self) -> tuple[str, ...]:
-        """Metrics that have a course in this run."""
+        """Metrics that have a time series in this run."""
         return metrics_in(self.folder / "steps.parquet")
 
     @cached_property
     def means(self) -> pl.DataFrame:
-        """Courses of every world and policy at the steps that are drawn, see `read_means`."""
+        """Time series of every world and policy at the steps that are drawn, see `read_means`."""
         return read_means(self.folder / "steps.parquet", self.run)
 
     @cached_property
@@ -135,28 +128,68 @@ class RunLogs:
         )
         return collected(path, rows, REMEDY).join(found, on=KEYS, how="semi", nulls_equal=True)
 
-    def items_of(self, series: Series, columns: tuple[str, ...] = ITEM_COLUMNS) -> pl.DataFrame:
-        """Episode and others of the items of one world and policy, read anew: there are many."""
-        world, policy = series
-        mine = (pl.col("world") == world) & (pl.col("policy") == policy)
-        path = self.folder / "items.parquet"
-        rows = scan_parquet(path, (*KEYS, *columns), REMEDY).filter(mine)
-        return collected(path, rows.drop("world", "policy"), REMEDY)
-
     def collects(self) -> list[bool]:
         """Whether each agent collects: (agent,)."""
         return [agent.collects for agent in self.run.agents]
 
 
-def scalar(rows: pl.DataFrame, key: str) -> NDArray[np.float64]:
+@dataclass(frozen=True)
+class Case:
+    """One policy in one world of a run."""
+
+    logs: RunLogs
+    world: str
+    policy: str
+
+    @property
+    def head(self) -> str:
+        """Policy, marked as a bound where it is one, with its world where there are several."""
+        return case_name(self.world, self.policy, self.logs.run.worlds, self.logs.run.bounds)
+
+    @property
+    def look(self) -> style.PolicyStyle:
+        """Colour and marker of its policy."""
+        return style.policy_styles(self.logs.policies)[self.policy]
+
+    def select(self, frame: pl.DataFrame) -> pl.DataFrame:
+        """Its rows."""
+        return frame.filter(world=self.world, policy=self.policy)
+
+    def values(self, key: str) -> FloatArray:
+        """Return one metric per episode, in episode order; NaN where undefined: (episode,)."""
+        return scalar(self.select(self.logs.episodes), key)
+
+    def summary(self, key: str) -> Summary:
+        """Summary of one metric; all undefined with n = 0 where the run has none."""
+        return self.logs.summary[self.world][self.policy].get(key, UNDEFINED)
+
+    def items(self, columns: tuple[str, ...] = ITEM_COLUMNS) -> pl.DataFrame:
+        """Episode and other columns of its items, read anew: there are many."""
+        path = self.logs.folder / "items.parquet"
+        rows = scan_parquet(path, (*KEYS, *columns), REMEDY)
+        mine = rows.filter(world=self.world, policy=self.policy)
+        return collected(path, mine.drop("world", "policy"), REMEDY)
+
+
+def policy_name(policy: str, bounds: Any) -> str:
+    """Policy, marked where it is one of those that see the truth: bounds, as the run says."""
+    return f"{policy} (bound)" if policy in bounds else policy
+
+
+def case_name(world: str, policy: str, worlds: Any, bounds: Any) -> str:
+    """Policy, with its world where there are several."""
+    name = policy_name(policy, bounds)
+    return name if len(worlds) == 1 else f"{name} · {world}"
+
+
+def scalar(rows: pl.DataFrame, key: str) -> FloatArray:
     """One metric of one world and policy, in episode order: (episode,).
 
     NaN where it is undefined, and everywhere if the run was made without it.
     """
     if key not in rows.columns:
         return np.full(rows.height, np.nan)
-    column = rows.sort("episode")[key]
-    return column.cast(pl.Float64).fill_null(float("nan")).to_numpy()
+    return rows.sort("episode")[key].cast(pl.Float64).fill_null(math.nan).to_numpy()
 
 
 def _check_rows(path: Path, run: RunInfo, rows: int) -> None:
@@ -170,8 +203,7 @@ def _check_rows(path: Path, run: RunInfo, rows: int) -> None:
     for world, policy in sorted(set(counts) - wanted):
         raise UserError(f"{path}: holds {world}/{policy}, which run.json does not name; {REMEDY}")
     for world, policy in sorted(wanted):
-        found = counts.get((world, policy), 0)
-        if found != rows:
+        if (found := counts.get((world, policy), 0)) != rows:
             raise UserError(
                 f"{path}: {world}/{policy} has {found} rows, expected {rows}; "
                 f"{again(path.parent)}, it completes the folder"
@@ -185,7 +217,7 @@ def _check_most(path: Path, run: RunInfo, of_an_episode: int) -> None:
         raise UserError(f"{path}: has {rows:,} rows, at most {most:,} are of this run; {REMEDY}")
 
 
-def _summary(path: Path, run: RunInfo) -> Summaries:
+def _load_summary(path: Path, run: RunInfo) -> Summaries:
     summaries = parse_summary(read_json(path), str(path))
     for world in run.worlds:
         for policy in run.policies:
@@ -194,29 +226,15 @@ def _summary(path: Path, run: RunInfo) -> Summaries:
     return summaries
 
 
-def _entry(value: Mapping[str, object]) -> Summary:
-    low, high = _pair(value["ci95"])
-    mean, sem, iqm = (_number(value[key]) for key in ("mean", "sem", "iqm"))
-    return Summary(mean, sem, low, high, iqm, int(_number(value["n"])))
-
-
-def _pair(value: object) -> tuple[float, float]:
-    if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"ci95 is {value}")
-    return _number(value[0]), _number(value[1])
-
-
-def _number(value: object) -> float:
-    """Return a JSON number as float, null as NaN."""
-    if value is None:
-        return math.nan
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{value!r} is not a number")
-    return float(value)
+def _entry(value: Mapping[str, Any]) -> Summary:
+    low, high = value["ci95"]
+    told = (value["mean"], value["sem"], low, high, value["iqm"])
+    mean, sem, low, high, iqm = (math.nan if one is None else float(one) for one in told)
+    return Summary(mean, sem, low, high, iqm, int(value["n"]))
 
 
 def parse_summary(data: Mapping[str, Any], where: str = "summary") -> Summaries:
-    """Convert the nested dict of `summary.json`.
+    """Convert the nested dict of `summary.json`, where null is undefined.
 
     Raises
     ------
@@ -231,7 +249,7 @@ def parse_summary(data: Mapping[str, Any], where: str = "summary") -> Summaries:
             }
             for world, policies in data.items()
         }
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise UserError(f"{where}: incomplete or malformed ({error!r}); {REMEDY}") from error
 
 
@@ -262,7 +280,7 @@ def load_logs(folder: Path) -> RunLogs:
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; name one that evaluate, compare or study wrote")
     run = load_run(folder / "run.json")
-    summary = _summary(folder / "summary.json", run)
+    summary = _load_summary(folder / "summary.json", run)
     episodes = load_episodes(folder, run)
     metrics_in(path := folder / "steps.parquet")
     _check_rows(path, run, run.episodes * (run.horizon + 1))
@@ -274,7 +292,7 @@ def load_logs(folder: Path) -> RunLogs:
 
 
 def pick_replay(logs: RunLogs) -> Recording | None:
-    """Load the replay that the scenario figure shows: first world and policy, lowest episode.
+    """Load the replay of the scenario figure: first world and policy, lowest episode.
 
     None if the run keeps none.
 
@@ -283,7 +301,7 @@ def pick_replay(logs: RunLogs) -> Recording | None:
     UserError
         If the chosen one cannot be read.
     """
-    for world, policy in logs.series:
-        for path in replay_files(logs.folder, world, policy).values():
+    for case in logs.cases:
+        for path in replay_files(logs.folder, case.world, case.policy).values():
             return Recording.load(path)
     return None

@@ -1,4 +1,4 @@
-"""What a page shows of a run that is too large for all of it, and how it says so."""
+"""The part of a large run that a page shows, and how the page says so."""
 
 import math
 from collections.abc import Sequence
@@ -7,19 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from mjforage.base.errors import UserError
-from mjforage.view.page.table import Table
-from mjforage.view.report.run_logs import RunLogs
+from mjforage.view.report.run_logs import Case, RunLogs
 from mjforage.view.report.step_means import POINTS
-from mjforage.view.report.text_tables import entry_of
 
-LARGEST = 4_800_000  # characters of a page, but for the captions and the player's script
-FIGURES = 2_800_000  # characters of all its figures
 POLICIES = 20  # that figures and pairs show
 BEST, WORST = 9, 3  # that they show of more
 PAIRS = 200  # of policies, over all worlds
-ROWS = 3000  # of a table on the page
 RANKED_BY = "pta_c"
-ALL = "the files in `tables/` have all"
 
 
 def shown_policies(logs: RunLogs, asked: Sequence[str] = ()) -> tuple[str, ...]:
@@ -59,9 +53,8 @@ def _fits(policies: int, logs: RunLogs) -> bool:
 
 def _rank(logs: RunLogs, policy: str) -> float:
     """Mean over the worlds of what is ranked by; undefined is worst."""
-    several = [entry_of(logs.summary, (world, policy), RANKED_BY).mean for world in logs.run.worlds]
-    mean = float(np.mean(several))
-    return -math.inf if math.isnan(mean) else mean
+    means = [Case(logs, world, policy).summary(RANKED_BY).mean for world in logs.run.worlds]
+    return -math.inf if math.isnan(mean := float(np.mean(means))) else mean
 
 
 def only(logs: RunLogs, policies: tuple[str, ...]) -> RunLogs:
@@ -72,27 +65,19 @@ def only(logs: RunLogs, policies: tuple[str, ...]) -> RunLogs:
     return replace(logs, run=replace(logs.run, policies=kept))
 
 
-def left_out(logs: RunLogs, shown: RunLogs) -> tuple[str, ...]:
+def left_out(logs: RunLogs, shown: RunLogs) -> str:
     """Sentences on what is not on the page, and what shows it."""
     said = []
     if len(shown.policies) < len(logs.policies):
         said.append(
             f"Figures, pairs, replay and the longer tables show {len(shown.policies)} of the "
             f"{len(logs.policies)} policies: the best and the worst by PTA_C, or those that were "
-            f"asked for. Result in brief and {ALL}; `mjforage report FOLDER --policy NAME --policy "
-            "NAME` shows others."
+            "asked for. Result in brief and the files in `tables/` have all; `mjforage report "
+            "FOLDER --policy NAME --policy NAME` shows others."
         )
     if logs.run.horizon > POINTS:
         said.append(
             f"Curves are drawn at {POINTS + 1} of the {logs.run.horizon + 1} steps, evenly apart; "
             "`steps.parquet` has all."
         )
-    return tuple(said)
-
-
-def cut(table: Table | None, rows: int = ROWS, all_of_it: str = ALL) -> Table | None:
-    """A table with no more rows than a page has room for, and a note on the others."""
-    if table is None or len(table.rows) <= rows:
-        return table
-    note = f"The first {rows} of {len(table.rows)} rows; {all_of_it}."
-    return replace(table, rows=table.rows[:rows], notes=(*table.notes, note))
+    return " ".join(said)

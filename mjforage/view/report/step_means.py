@@ -1,4 +1,4 @@
-"""Courses of metrics over the episodes, from a table that may be far larger than the memory."""
+"""Means of time series over the episodes, from a table that may be larger than the memory."""
 
 from pathlib import Path
 
@@ -12,13 +12,12 @@ from mjforage.runs.run_info import REMEDY, RunInfo
 
 KEYS = ("world", "policy", "episode")
 STEP = ("world", "policy", "step")
-POINTS = 400  # steps of a course that are drawn beside the first, where the horizon has more
-BLOCK = 250_000  # rows that are held at once
+POINTS = 400  # steps that are drawn beside the first, where the horizon has more
 STD, COUNT = "/std", "/n"  # endings of columns beside that of the mean
 
 
 def drawn_steps(horizon: int) -> NDArray[np.int64]:
-    """Steps from 0 to the horizon at which courses are drawn, evenly apart."""
+    """Steps from 0 to the horizon at which time series are drawn, evenly apart."""
     even = np.linspace(0, horizon, min(horizon, POINTS) + 1)
     return np.rint(even).astype(np.int64)
 
@@ -56,7 +55,8 @@ def read_means(path: Path, run: RunInfo) -> pl.DataFrame:
     """A row per world, policy and step that is drawn, for the policies of a run.
 
     Of every metric a column with the mean of the episodes where it is defined, one with their
-    standard deviation (`STD`) and one with their number (`COUNT`). Rows are read block by block.
+    standard deviation (`STD`) and one with their number (`COUNT`). The rows of one world and policy
+    are held at once.
 
     Raises
     ------
@@ -64,20 +64,8 @@ def read_means(path: Path, run: RunInfo) -> pl.DataFrame:
         As `metrics_in`, and if the file is damaged inside.
     """
     keys, frame = metrics_in(path), numbers(path, scan_parquet(path, None, REMEDY))
-    height = int(collected(path, frame.select(pl.len()), REMEDY).item())
-    wanted = (
-        pl.col("policy").is_in(run.policies),
-        pl.col("step").is_in(drawn_steps(run.horizon).astype(np.float64)),
-    )
-    parts = []
-    for first in range(0, max(height, 1), BLOCK):
-        rows = collected(path, frame.slice(first, BLOCK).filter(*wanted), REMEDY)
-        parts.append(rows.group_by(*STEP, maintain_order=True).agg(*_moments(keys)))
-    return (parts[0] if len(parts) == 1 else _merged(pl.concat(parts), keys)).sort(*STEP)
-
-
-def _moments(keys: tuple[str, ...]) -> list[pl.Expr]:
-    return [
+    drawn = pl.col("step").is_in(drawn_steps(run.horizon).astype(np.float64))
+    moments = [
         part
         for key in keys
         for part in (
@@ -86,20 +74,11 @@ def _moments(keys: tuple[str, ...]) -> list[pl.Expr]:
             pl.col(key).count().cast(pl.Int64).alias(key + COUNT),
         )
     ]
-
-
-def _merged(parts: pl.DataFrame, keys: tuple[str, ...]) -> pl.DataFrame:
-    """Of rows of the same world, policy and step one, as if their episodes had come together."""
-    merged = []
-    for key in keys:
-        n, mean = pl.col(key + COUNT), pl.col(key)
-        total, whole = n.sum(), (mean * n).sum() / n.sum()
-        apart = (pl.col(key + STD).fill_null(0.0) ** 2 * (n - 1).clip(0)).sum()
-        apart = apart + (n * (mean - whole) ** 2).sum()
-        several = pl.when(total > 1)
-        merged += [
-            pl.when(total > 0).then(whole).alias(key),
-            several.then((apart / (total - 1)).sqrt()).alias(key + STD),
-            total.alias(key + COUNT),
-        ]
-    return parts.group_by(*STEP, maintain_order=True).agg(*merged)
+    parts = [
+        collected(path, frame.filter(drawn, world=world, policy=policy), REMEDY)
+        .group_by(*STEP, maintain_order=True)
+        .agg(moments)
+        for world in run.worlds
+        for policy in run.policies
+    ]
+    return pl.concat(parts).sort(*STEP)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mjforage.view.page import style
 from mjforage.view.page.figure import WIDE_IN, WIDTH_IN, ReportFigure, canvas
 from mjforage.view.report.map_figures import draw_port
-from mjforage.view.report.run_logs import TRACK_STEPS, RunLogs, Series
+from mjforage.view.report.run_logs import TRACK_STEPS, Case, RunLogs
 
 SPREAD = 0.34  # node; tracks over the same nodes are drawn side by side within this width
 ENDS = {False: "^", True: "D"}  # marker by whether the vessel collects
@@ -28,20 +28,19 @@ def _track(axes: Axes, line: NDArray[np.float64], colour: str, collects: bool) -
     axes.plot(line[-1, 1], line[-1, 0], ENDS[collects], color=colour, markersize=5.5, **end)
 
 
-def _draw(axes: Axes, logs: RunLogs, series: Series) -> None:
-    rows = logs.select(logs.tracks, series).sort("agent", "step")
-    collects = logs.collects()
-    port = logs.run.map
-    spread = SPREAD / 2 if series[0] == "graph" else 0.0  # hulls keep apart by themselves
+def _draw(axes: Axes, case: Case) -> None:
+    logs, port, collects = case.logs, case.logs.run.map, case.logs.collects()
+    rows = case.select(logs.tracks).sort("agent", "step")
+    spread = SPREAD / 2 if case.world == "graph" else 0.0  # hulls keep apart by themselves
     offsets = np.linspace(-spread, spread, max(2, len(collects)))
-    draw_port(axes, logs.run.map.cells)
+    draw_port(axes, port.cells)
     for agent, colour in enumerate(style.agent_colours(map(style.role, collects))):
-        xy = rows.filter(pl.col("agent") == agent).select("x_m", "y_m").to_numpy() / port.pitch_m
+        xy = rows.filter(agent=agent).select("x_m", "y_m").to_numpy() / port.pitch_m
         if len(xy):
             track = np.column_stack((port.rows - 1 - xy[:, 1], xy[:, 0]))
             _track(axes, track + offsets[agent], colour, collects[agent])
-    world = f" · {series[0]}" if len(logs.run.worlds) > 1 else ""
-    axes.set_title(f"{series[1]}{world}")
+    world = f" · {case.world}" if len(logs.run.worlds) > 1 else ""
+    axes.set_title(f"{case.policy}{world}")
 
 
 def _legend(figure: Figure, logs: RunLogs) -> None:
@@ -70,23 +69,23 @@ def _panels(logs: RunLogs) -> tuple[Figure, list[Axes]]:
     tall = height / width
     wanted = 5 if tall > 1 else 3 if tall > 0.6 else 2
     by_world = len(logs.run.worlds) > 1 and 1 < len(logs.policies) <= wanted
-    columns = len(logs.policies) if by_world else min(wanted, len(logs.series))
-    rows = math.ceil(len(logs.series) / columns)
-    columns = math.ceil(len(logs.series) / rows)
+    columns = len(logs.policies) if by_world else min(wanted, len(logs.cases))
+    rows = math.ceil(len(logs.cases) / columns)
+    columns = math.ceil(len(logs.cases) / rows)
     panel_in = WIDE_IN / min(wanted, max(3, columns))
     height_in = rows * (min(8.0, max(1.5, panel_in * tall)) + 0.35) + 0.5
     figure = canvas(max(WIDTH_IN, columns * panel_in), height_in)
     panels = list(figure.subplots(rows, columns, squeeze=False).flat)
-    for axes in panels[len(logs.series) :]:
+    for axes in panels[len(logs.cases) :]:
         axes.set_visible(False)
-    return figure, panels[: len(logs.series)]
+    return figure, panels[: len(logs.cases)]
 
 
 def tracks_figure(logs: RunLogs) -> ReportFigure:
     """Draw the tracks of the lowest episode, a panel per policy and world."""
     figure, panels = _panels(logs)
-    for axes, series in zip(panels, logs.series, strict=True):
-        _draw(axes, logs, series)
+    for axes, case in zip(panels, logs.cases, strict=True):
+        _draw(axes, case)
     words = "No vessel took part."
     if logs.run.agents:
         _legend(figure, logs)
@@ -94,11 +93,8 @@ def tracks_figure(logs: RunLogs) -> ReportFigure:
         words = (
             f"Tracks of episode {lowest}, the same items and starts for every policy and world. At "
             "graph level, tracks over the same nodes are drawn side by side; elsewhere they join "
-            "where midships was after each decision. An episode ends once no item is left."
-            + (
-                f" Drawn are the first {TRACK_STEPS} steps."
-                if logs.run.horizon > TRACK_STEPS
-                else ""
-            )
+            "the positions of midships after each decision. An episode ends once no item is left."
         )
-    return ReportFigure("tracks", "Where the fleet went", words, figure, wide=True)
+        if logs.run.horizon > TRACK_STEPS:
+            words += f" Drawn are the first {TRACK_STEPS} steps."
+    return ReportFigure("tracks", "Tracks of the fleet", words, figure, wide=True)

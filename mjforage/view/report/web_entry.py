@@ -1,5 +1,11 @@
-"""One episode as the page's player reads it: numbers in a short text, as fine as there is room."""
+"""One episode as the page's player reads it (``player/decode.js``): a short text of numbers.
 
+Numbers are whole and not negative, deflated byte plane by byte plane (all lowest bytes first), in
+base64. Signed ones are folded first: 0, -1, 1, -2 -> 0, 1, 2, 3.
+"""
+
+import base64
+import zlib
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -9,27 +15,26 @@ from numpy.typing import NDArray
 
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.held import Held
-from mjforage.view.report.web_stream import Ints, changes, packed, thinned, track
 
+Ints = NDArray[np.int64]
 POSITION_M, YAW_RAD, WIND_MPS = 0.01, 0.01, 0.01  # what one unit of the data is worth
 IDLE_LEVELS = 15  # levels of idleness above 0
 MOST_COUNT = 255  # believed items per node; more are shown as this many
 ITEM_FRAME_S = 1.0  # items move slowly: no need for more frames than this
 
 
-def entry_of(replay: Recording, discovered: Ints, limit: int | None = None) -> dict[str, Any]:
-    """One replay for the page: as fine in time as the limit allows.
+def entry_of(replay: Recording, limit: int | None = None) -> dict[str, Any]:
+    """One episode for the page: as fine in time as the limit allows.
 
     Parameters
     ----------
-    discovered : (item,) step of its discovery, one past the end if never
     limit : characters of its text; it is thinned to no less than a frame for each decision
     """
     stride = max(1, round(min(ITEM_FRAME_S, replay.period_s) / replay.frame_s))
-    text = packed(_parts(replay, discovered, stride))
+    text = packed(_parts(replay, stride))
     while limit and len(text) > limit and stride * replay.frame_s < replay.period_s:
         stride *= 2
-        text = packed(_parts(replay, discovered, stride))
+        text = packed(_parts(replay, stride))
     return {
         "world": replay.world,
         "policy": replay.policy,
@@ -46,17 +51,16 @@ def entry_of(replay: Recording, discovered: Ints, limit: int | None = None) -> d
     }
 
 
-def cut_entry(replay: Recording, discovered: Ints, limit: int) -> dict[str, Any]:
+def cut_entry(replay: Recording, limit: int) -> dict[str, Any]:
     """Its beginning, as `entry_of`, so long that the limit holds; `whole` are the steps it had.
 
     A limit that holds not even a step leaves one.
     """
     whole = steps = len(replay.item_present) - 1
-    found = entry_of(replay, discovered, limit)
+    found = entry_of(replay, limit)
     while len(found["text"]) > limit and steps > 1:
         steps = max(1, min(steps - 1, int(0.95 * steps * limit / len(found["text"]))))
-        early = np.minimum(discovered, steps + 1)
-        found = entry_of(_beginning(replay, steps), early, limit) | {"whole": whole}
+        found = entry_of(_beginning(replay, steps), limit) | {"whole": whole}
     return found
 
 
@@ -71,22 +75,11 @@ def _beginning(replay: Recording, steps: int) -> Recording:
     return replace(replay, held=held, **cut)
 
 
-def fair_share(sizes: Sequence[int], budget: int) -> int:
-    """The limit to which each is cut where all together are more than the budget."""
-    left = budget
-    for place, size in enumerate(sorted(sizes)):
-        among = len(sizes) - place
-        if size * among > left:
-            return left // among
-        left -= size
-    return max(sizes, default=0)
-
-
 def _pose_stride(item_stride: int) -> int:
     return max(1, item_stride // 2)
 
 
-def _parts(replay: Recording, discovered: Ints, stride: int) -> list[Ints]:
+def _parts(replay: Recording, stride: int) -> list[Ints]:
     """All numbers of a replay, in the order in which ``player/decode.js`` reads them."""
     frames = len(replay.track_pose)
     poses = replay.track_pose[thinned(frames, _pose_stride(stride))]
@@ -98,8 +91,8 @@ def _parts(replay: Recording, discovered: Ints, stride: int) -> list[Ints]:
         *track(yaw, YAW_RAD),
         *track(replay.track_items[rare], POSITION_M),
         *track(replay.track_wind[rare], WIND_MPS),
-        _removed(replay.track_present),
-        discovered,
+        replay.track_present.sum(axis=0),  # first frame without each item
+        _discovered(replay),
         *changes(np.clip(replay.belief, 0, MOST_COUNT)),
         *changes(idle),
         *changes(replay.in_view),
@@ -107,8 +100,16 @@ def _parts(replay: Recording, discovered: Ints, stride: int) -> list[Ints]:
     ]
 
 
+def _discovered(replay: Recording) -> Ints:
+    """Step of each item's discovery, one past the end if never: (item,)."""
+    never = len(replay.item_present)
+    step = np.full(replay.item_present.shape[1], -1)
+    step = step if replay.t_discovered is None else replay.t_discovered.astype(np.int64)
+    return np.where(step < 0, never, np.minimum(step, never))
+
+
 def _held_parts(held: Held, cells: int) -> list[Ints]:
-    """What each agent knows, and the links: steps are counted from 1, 0 is never."""
+    """Beliefs of each agent, and the links: steps are counted from 1, 0 is never."""
     linked = held.linked.astype(np.int64)
     parts = [
         held.known_from.astype(np.int64) + 1,
@@ -122,8 +123,42 @@ def _held_parts(held: Held, cells: int) -> list[Ints]:
     return parts
 
 
-def _removed(present: NDArray[np.bool_]) -> Ints:
-    """First frame without each item, the number of frames if never: (item,)."""
-    gone = ~present
-    frame: Ints = np.where(gone.any(axis=0), gone.argmax(axis=0), len(present)).astype(np.int64)
-    return frame
+def packed(parts: Sequence[Ints]) -> str:
+    """Numbers of 0 or more, below 2**32, as text."""
+    numbers = np.concatenate([part.ravel() for part in parts]).astype("<u4")
+    planes = numbers.view(np.uint8).reshape(-1, 4).T
+    return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
+
+
+def thinned(frames: int, stride: int) -> Ints:
+    """Every `stride`-th of so many frames, and the last."""
+    wanted: Ints = np.minimum(np.arange(0, frames - 1 + stride, stride), frames - 1)
+    return wanted
+
+
+def track(values: NDArray[np.floating], quantum: float) -> list[Ints]:
+    """Values (time, ...) in units of `quantum`: the order of differences, then those, time last.
+
+    Steady motion is shorter in second differences, noise in first ones: whichever sums to less.
+    """
+    whole = np.moveaxis(np.rint(values.astype(np.float64) / quantum).astype(np.int64), 0, -1)
+    first = np.diff(whole, prepend=0)
+    second = np.diff(first, prepend=0)
+    order = 2 if np.abs(second).sum() < np.abs(first).sum() else 1
+    signed = second if order == 2 else first
+    return [np.array([order]), np.where(signed < 0, -2 * signed - 1, 2 * signed)]
+
+
+def changes(layer: NDArray[np.integer]) -> list[Ints]:
+    """Grids (step, row, column) of numbers of 0 or more, by what changes; before them all is 0.
+
+    For each step how many cells change; then the cells, as the distance from the one before (the
+    first of a step from the grid's start); then their new values.
+    """
+    flat = layer.reshape(len(layer), -1)
+    step, cell = np.nonzero(np.diff(flat.astype(np.int64), axis=0, prepend=0))
+    counts = np.bincount(step, minlength=len(flat)).astype(np.int64)
+    gaps = np.diff(cell, prepend=0)
+    opening = (np.cumsum(counts) - counts)[counts > 0]
+    gaps[opening] = cell[opening]
+    return [counts, gaps, flat[step, cell].astype(np.int64)]

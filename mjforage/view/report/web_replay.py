@@ -1,5 +1,6 @@
-"""What the page's interactive replay shows: the kept episodes of one run, or of several."""
+"""The page's interactive replay: the recorded episodes of one run, or of several."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,18 +11,16 @@ from typing import Any
 import numpy as np
 import polars as pl
 from markupsafe import Markup
-from numpy.typing import NDArray
+from matplotlib.colors import to_hex
 
 from mjforage.base.errors import UserError
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.kept import ranked, replay_files
-from mjforage.runs.parquet import read_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, load_run
 from mjforage.scenario.vessel_files import vessel_names
 from mjforage.view.page import style
-from mjforage.view.report.run_logs import Series, load_episodes, scalar
-from mjforage.view.report.step_means import KEYS
+from mjforage.view.report.run_logs import load_episodes, scalar
 from mjforage.view.report.web_entry import (
     IDLE_LEVELS,
     POSITION_M,
@@ -29,32 +28,35 @@ from mjforage.view.report.web_entry import (
     YAW_RAD,
     cut_entry,
     entry_of,
-    fair_share,
 )
-from mjforage.view.report.web_stream import Ints
 
 BUDGET = 2_000_000  # characters of text for all replays of a page, which is to stay below 5 MB
 MOST, MOST_STEPS = 120, 40_000  # episodes that are read for a page, and steps of all of them
 HULL_M = 2.0  # length drawn for a user's vessel in a run at graph level
-SCRIPTS = (
-    "decode.js",
-    "choice.js",
-    "harbour.js",
-    "draw.js",
-    "camera.js",
-    "legend.js",
-    "player.js",
+SCRIPTS = tuple(
+    f"{name}.js" for name in ("decode", "choice", "harbour", "draw", "camera", "legend", "player")
 )
+COLOURS = {
+    "water": style.WATER,
+    "land": style.LAND,
+    "edge": style.QUAY_EDGE,
+    "item": style.ITEM,
+    "rim": style.ITEM_RIM,
+    "ink": style.INK,
+    "scout": style.SCOUT,
+    "forager": style.FORAGER,
+    "lost": style.LOST,
+}
 
 
 @dataclass(frozen=True)
 class WebReplay:
-    """What the template sets."""
+    """Parts of the player that the template sets."""
 
     panels: tuple[bool, ...]  # one or two, and whether each is shown at first
     vessels: tuple[str, ...]  # names
-    held: bool  # whether each knows what it has heard only
-    left_out: int  # kept episodes for which the page has no room
+    held: bool  # whether each has a belief of its own
+    left_out: int  # recorded episodes for which the page has no room
     cut: int  # shown ones that end early, for the same reason
     data: Mapping[str, Any]  # for the page's script, as JSON
     script: Markup  # all of its element, to the letter: the page allows no other
@@ -63,26 +65,37 @@ class WebReplay:
 
 @dataclass(frozen=True)
 class _File:
-    """A kept episode on disk."""
+    """A recorded episode on disk."""
 
     run: "_Run"
-    series: Series
+    world: str
+    policy: str
     episode: int
     path: Path
 
-    def entry(self, limit: int | None = None, cut_to: int | None = None) -> dict[str, Any]:
-        """It for the page; read anew each time, as all of them would fill the memory."""
-        replay = Recording.load(self.path)
-        discovered = self.run.discovered(self, replay)
-        found = entry_of(replay, discovered, limit)
-        if cut_to is not None:
-            found = cut_entry(replay, discovered, cut_to)
-        return found | {"run": self.run.place, "ranks": self.run.ranks(self)}
+    def entry(self, limit: int, budget: int) -> dict[str, Any]:
+        """Its data in so many characters, cut to fit into a budget; read anew, as all are many.
+
+        Raises
+        ------
+        UserError
+            If the replay is not of the run.
+        """
+        replay, run = Recording.load(self.path), self.run.run
+        found = (replay.world, replay.policy, replay.episode, replay.agent_collects.tolist())
+        collects = [agent.collects for agent in run.agents]
+        fits = found == (self.world, self.policy, self.episode, collects)
+        if not (fits and np.array_equal(replay.navigable, run.map.cells)):
+            raise UserError(f"replay {self.path}: is not of the run in {self.run.folder}; {REMEDY}")
+        entry = entry_of(replay, limit)
+        if len(entry["text"]) > budget:
+            entry = cut_entry(replay, budget)
+        return entry | {"run": self.run.place, "ranks": self.run.ranks(self)}
 
 
 @dataclass(frozen=True)
 class _Run:
-    """A run whose kept episodes are shown."""
+    """A run whose recorded episodes are shown."""
 
     place: int  # among the runs of the page
     label: str
@@ -93,71 +106,34 @@ class _Run:
     @cached_property
     def files(self) -> tuple[_File, ...]:
         """Worlds outermost, then policies in their fixed order, then episodes."""
-        policies = style.ordered(self.policies or self.run.policies)
         return tuple(
-            _File(self, (world, policy), episode, path)
+            _File(self, world, policy, episode, path)
             for world in self.run.worlds
-            for policy in policies
+            for policy in style.ordered(self.policies or self.run.policies)
             for episode, path in replay_files(self.folder, world, policy).items()
         )
-
-    @cached_property
-    def collects(self) -> list[bool]:
-        """Whether each agent collects: (agent,)."""
-        return [agent.collects for agent in self.run.agents]
-
-    @cached_property
-    def _items(self) -> pl.DataFrame:
-        """Logged discoveries of the kept episodes."""
-        kept = pl.col("episode").is_in({file.episode for file in self.files})
-        columns = (*KEYS, "item", "t_discovered")
-        return read_parquet(self.folder / "items.parquet", columns, kept, REMEDY)
 
     @cached_property
     def _episodes(self) -> pl.DataFrame:
         return load_episodes(self.folder, self.run)
 
     def ranks(self, file: _File) -> list[str]:
-        """What the episode is among those of its world and policy; nothing if it is the only."""
-        world, policy = file.series
-        rows = self._episodes.filter(world=world, policy=policy)
+        """Ranks of the episode in its world and policy; nothing if it is the only."""
+        rows = self._episodes.filter(world=file.world, policy=file.policy)
         if rows.height < 2:
             return []
         found = ranked(scalar(rows, "pta_c"), scalar(rows, "length"))
         return [rank for rank, episode in found.items() if episode == file.episode]
 
-    def discovered(self, file: _File, replay: Recording) -> Ints:
-        """Step of every item's discovery as logged, one step past the end if never.
-
-        Raises
-        ------
-        UserError
-            If the replay is not of the run.
-        """
-        world, policy = file.series
-        rows = self._items.filter(world=world, policy=policy, episode=file.episode).sort("item")
-        fits = (
-            np.array_equal(replay.navigable, self.run.map.cells)
-            and replay.agent_collects.tolist() == self.collects
-            and len(rows) == replay.item_present.shape[1]
-            and (replay.world, replay.policy) == file.series
-            and replay.episode == file.episode
-        )
-        if not fits:
-            raise UserError(f"replay {file.path}: is not of the run in {self.folder}; {REMEDY}")
-        never = len(replay.item_present)
-        step: Ints = rows["t_discovered"].cast(pl.Int64).fill_null(never).to_numpy()
-        return np.minimum(step, never)
-
     def facts(self) -> dict[str, Any]:
-        """It for the page: its fleet and its time."""
+        """Fleet and time of the run; hulls are as long as they ran, else as shipped."""
         replay = Recording.load(self.files[0].path)
-        looks = zip(
-            self.run.agents,
-            style.agent_colours(map(style.role, self.collects)),
-            self._lengths(replay),
-            strict=True,
-        )
+        ran, shipped = self.run.hull_lengths, vessel_names()
+        lengths = [
+            ran.get(name) or (load_vessel(name).length_m if name in shipped else HULL_M)
+            for name in replay.vessels
+        ]
+        colours = style.agent_colours(style.role(one.collects) for one in self.run.agents)
         return {
             "label": self.label,
             "seed": self.run.seed,
@@ -165,23 +141,15 @@ class _Run:
             "horizon": replay.horizon,
             "agents": [
                 {"name": one.name, "collects": one.collects, "colour": colour, "length_m": length}
-                for one, colour, length in looks
+                for one, colour, length in zip(self.run.agents, colours, lengths, strict=True)
             ],
         }
-
-    def _lengths(self, replay: Recording) -> list[float]:
-        """Hull length of every vessel [m]: as it was run, else as shipped."""
-        ran, shipped = self.run.hull_lengths, vessel_names()
-        return [
-            ran.get(name) or (load_vessel(name).length_m if name in shipped else HULL_M)
-            for name in replay.vessels
-        ]
 
 
 def web_replay(
     folders: Mapping[str, Path], budget: int = BUDGET, policies: Sequence[str] = ()
 ) -> WebReplay | None:
-    """Gather the replays that runs on one map keep; None if they keep none.
+    """Gather the recorded episodes of runs on one map; None if there are none.
 
     Parameters
     ----------
@@ -206,24 +174,24 @@ def web_replay(
     if not kept:
         return None
     longest = max(run.run.horizon for run in opened)
-    files = _first_of_each(kept, max(1, min(MOST, MOST_STEPS // longest)))
-    runs = list({file.run.place: file.run for file in files}.values())
-    entries = _fitting(files, budget)
-    worlds = {entry["world"] for entry in entries}
-    agents = [agent.name for run in runs for agent in run.run.agents]
-    facts = {run.place: run.facts() for run in runs}
+    entries = _fitting(kept, max(1, min(MOST, MOST_STEPS // longest)), budget)
+    shown = {entry["run"] for entry in entries}
+    facts = {run.place: run.facts() for run in opened if run.place in shown}
+    agents = [agent["name"] for one in facts.values() for agent in one["agents"]]
+    two = len(shown) > 1 or len({entry["world"] for entry in entries}) > 1
+    code = [_part(name) for name in SCRIPTS]
     return WebReplay(
-        panels=(True, len(worlds) > 1 or len(runs) > 1)[: 1 + (len(entries) > 1)],
+        panels=(True, two)[: 1 + (len(entries) > 1)],
         vessels=tuple(dict.fromkeys(agents)),
         held=any(entry["forgetting"] is not None for entry in entries),
         left_out=len(kept) - len(entries),
         cut=sum("whole" in entry for entry in entries),
         data={
-            **_stage(runs[0].run),
+            **_stage(opened[0].run),
             "runs": [facts.get(run.place) for run in opened],
             "replays": entries,
         },
-        script=Markup("\n".join(['(() => {\n"use strict";', *map(_part, SCRIPTS), "})();"])),
+        script=Markup("\n".join(['(() => {\n"use strict";', *code, "})();"])),
         stylesheet=Markup(_part("player.css")),
     )
 
@@ -238,90 +206,53 @@ def _check_map(first: _Run, other: _Run) -> None:
         )
 
 
-def _first_of_each(files: Sequence[_File], most: int) -> list[_File]:
-    """So many in their order: first one of each world and policy, then further ones."""
-    place: dict[tuple[int, Series], int] = {}
-    turn = []
-    for file in files:
-        key = file.run.place, file.series
-        place[key] = place.get(key, -1) + 1
-        turn.append(place[key])
-    chosen = sorted(range(len(files)), key=lambda i: turn[i])[:most]
-    return [files[i] for i in sorted(chosen)]
+def _fitting(files: Sequence[_File], most: int, budget: int) -> list[dict[str, Any]]:
+    """Entries of the page in the order of the files: each has its share of the budget.
 
-
-def _fitting(files: Sequence[_File], budget: int) -> list[dict[str, Any]]:
-    """Entries of the page, thinned to fit; of those that do not fit first episodes go last."""
-    few = budget // len(files)  # each may have so much whatever the others need
-    entries, sizes = {}, []
-    for i, file in enumerate(files):
-        entry = file.entry()
-        sizes.append(len(entry["text"]))
-        if sizes[-1] <= few:
-            entries[i] = entry
-    limit = fair_share(sizes, budget)
-    firsts = {(file.run.place, file.series): file.episode for file in reversed(files)}
-    order = sorted(
-        range(len(files)),
-        key=lambda i: files[i].episode != firsts[files[i].run.place, files[i].series],
-    )
+    Where not all fit, one of each run, world and policy comes first, then further ones.
+    """
+    before: Counter[tuple[int, str, str]] = Counter()
+    turns = []
+    for place, file in enumerate(files):
+        case = file.run.place, file.world, file.policy
+        turns.append((before[case], place))
+        before[case] += 1
+    chosen = sorted(turns)[:most]
     taken: dict[int, dict[str, Any]] = {}
-    for i in order:
-        entry = entries.get(i) or files[i].entry(limit)
-        if not taken and len(entry["text"]) > budget:
-            entry = files[i].entry(cut_to=budget)
+    for number, (_, place) in enumerate(chosen):
+        room = budget if not taken else 10 * BUDGET  # one is always shown
+        entry = files[place].entry(max(1, budget // (len(chosen) - number)), room)
         budget -= len(entry["text"])
         if taken and budget < 0:
             break
-        taken[i] = entry
-    return [taken[i] for i in sorted(taken)]
+        taken[place] = entry
+    return [taken[place] for place in sorted(taken)]
 
 
 def _part(name: str) -> str:
-    return (
-        resources.files("mjforage.view.report").joinpath("player", name).read_text(encoding="utf-8")
-    )
+    file = resources.files("mjforage.view.report").joinpath("player", name)
+    return file.read_text(encoding="utf-8")
 
 
 def _stage(run: RunInfo) -> dict[str, Any]:
-    """What all replays of a page share."""
+    """Map, units and colours, which all replays of a page share."""
     cells = run.map.cells
-    rows, columns = cells.shape
+    height, width = cells.shape
+    rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     belief = style.belief_colours()
     return {
-        "rows": rows,
-        "columns": columns,
-        "extent": _extent(cells),
+        "rows": height,
+        "columns": width,
+        "extent": {  # the water and one cell around it
+            "top": max(0, int(rows[0]) - 1),
+            "bottom": min(height - 1, int(rows[-1]) + 1),
+            "left": max(0, int(columns[0]) - 1),
+            "right": min(width - 1, int(columns[-1]) + 1),
+        },
         "water": "".join("01"[int(cell)] for cell in cells.ravel()),
         "pitch_m": run.map.pitch_m,
         "units": {"position_m": POSITION_M, "yaw_rad": YAW_RAD, "wind_mps": WIND_MPS},
         "idle_levels": IDLE_LEVELS,
-        "colours": {
-            "water": style.WATER,
-            "land": style.LAND,
-            "edge": style.QUAY_EDGE,
-            "item": style.ITEM,
-            "rim": style.ITEM_RIM,
-            "ink": style.INK,
-            "scout": style.SCOUT,
-            "forager": style.FORAGER,
-            "lost": style.LOST,
-            "belief": [_hex(belief(place)) for place in np.linspace(style.FIRST, 1.0, 12)],
-        },
+        "colours": COLOURS
+        | {"belief": [to_hex(belief(at)) for at in np.linspace(style.FIRST, 1.0, 12)]},
     }
-
-
-def _extent(navigable: NDArray[np.bool_]) -> dict[str, int]:
-    """Outermost rows and columns that are worth showing: the water and one cell around it."""
-    rows, columns = (np.flatnonzero(navigable.any(axis=axis)) for axis in (1, 0))
-    height, width = navigable.shape
-    return {
-        "top": max(0, int(rows[0]) - 1),
-        "bottom": min(height - 1, int(rows[-1]) + 1),
-        "left": max(0, int(columns[0]) - 1),
-        "right": min(width - 1, int(columns[-1]) + 1),
-    }
-
-
-def _hex(colour: tuple[float, ...]) -> str:
-    return "#" + "".join(f"{round(255 * part):02x}" for part in colour[:3])

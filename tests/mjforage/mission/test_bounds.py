@@ -16,8 +16,8 @@ from mjforage.mission.setup import Setup
 from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.policy_pairs import comparison_table
-from mjforage.view.report.run_logs import load_logs
-from mjforage.view.report.text_tables import full_table, headline_table, policy_name
+from mjforage.view.report.run_logs import load_logs, policy_name
+from mjforage.view.report.text_tables import full_table, headline_table
 
 
 class Watcher:

@@ -25,7 +25,7 @@ from mjforage.runs.storage import RunFolder
 from mjforage.runs.study import Study, run_study
 from mjforage.runs.workers import Workers
 from mjforage.scenario.scenario_file import load_scenario
-from mjforage.view.report.text_tables import number
+from mjforage.view.report.cells import number
 
 SOURCE = '''from mjforage.mission.mission_metrics import Batch, Metric
 

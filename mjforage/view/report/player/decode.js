@@ -1,4 +1,4 @@
-// Reads the replays that web_stream.py wrote: whole numbers in LEB128, deflated, in base64.
+// Reads the replays that web_entry.py wrote: whole numbers as byte planes, deflated, in base64.
 const canDecode = () => typeof DecompressionStream === "function";
 
 async function inflate(text) {
@@ -8,31 +8,28 @@ async function inflate(text) {
 }
 
 class Reader {
-  constructor(bytes) { this.bytes = bytes; this.at = 0; }
-
-  next() {
-    let number = 0, unit = 1, byte;
-    do {
-      if (this.at >= this.bytes.length) throw new Error("its data end too early");
-      byte = this.bytes[this.at++];
-      number += (byte & 127) * unit;
-      unit *= 128;
-    } while (byte > 127);
-    return number;
+  constructor(bytes) {
+    const n = bytes.length / 4, plane = (i, k) => bytes[k * n + i] * 256 ** k;
+    this.numbers = Uint32Array.from({ length: n }, (_, i) =>
+      plane(i, 0) + plane(i, 1) + plane(i, 2) + plane(i, 3));
+    this.at = 0;
   }
+
+  next() { return this.many(1)[0]; }
 
   many(count) {
-    const numbers = new Uint32Array(count);
-    for (let i = 0; i < count; i++) numbers[i] = this.next();
-    return numbers;
+    if (this.at + count > this.numbers.length) throw new Error("its data end too early");
+    this.at += count;
+    return this.numbers.slice(this.at - count, this.at);
   }
 
-  // Courses of `lines` numbers over `times` frames, one line after another, in metres or radians.
+  // `lines` numbers over `times` frames, one line after another, in metres or radians.
   track(lines, times, unit) {
-    const order = this.next(), values = new Float32Array(lines * times);
+    const order = this.next(), coded = this.many(lines * times);
+    const values = new Float32Array(lines * times);
     for (let line = 0, i = 0; line < lines; line++) {
       for (let time = 0, value = 0, rate = 0; time < times; time++, i++) {
-        const folded = this.next(), change = folded % 2 ? -(folded + 1) / 2 : folded / 2;
+        const folded = coded[i], change = folded % 2 ? -(folded + 1) / 2 : folded / 2;
         rate = order === 2 ? rate + change : change;
         value += rate;
         values[i] = value * unit;
@@ -100,7 +97,7 @@ class Episode {
     this.view = reader.layer(steps + 1, size);
     this.minds = entry.forgetting === null ? null
       : this.readMinds(reader, entry, agents, size, stage.idle_levels);
-    if (reader.at !== bytes.length) throw new Error("its data do not end where they should");
+    if (reader.at !== reader.numbers.length) throw new Error("its data do not end where they should");
     this.agents = run.agents;
     this.horizon = run.horizon;
     this.frames = frames;

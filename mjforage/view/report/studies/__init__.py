@@ -1,7 +1,4 @@
-"""One page for a study: all its variants in tables and figures, from their logs.
-
-Only what agents know and forecast is in no log: for pictures of it, episodes are played again.
-"""
+"""One page for a study: all its variants in tables and figures, from their logs."""
 
 from pathlib import Path
 
@@ -9,7 +6,7 @@ from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
 from mjforage.runs.run_info import again
 from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
-from mjforage.view.report.report_page import definition_notes
+from mjforage.view.report.report_page import NOTES, notes_section
 from mjforage.view.report.studies import (
     ablation,
     board,
@@ -20,14 +17,14 @@ from mjforage.view.report.studies import (
     sensing,
 )
 from mjforage.view.report.studies.as_in_paper import NOTE, referred
-from mjforage.view.report.studies.cost import LIKE_PAPER
 from mjforage.view.report.studies.study_logs import load_study
 from mjforage.view.report.studies.study_page import (
-    clearing_section,
-    cost_sections,
-    render,
-    scene_sections,
+    cost_section,
+    opening_sections,
+    settings_section,
+    study_page,
 )
+from mjforage.view.report.web_replay import web_replay
 
 __all__ = ["is_study", "write_study_report"]
 
@@ -42,6 +39,8 @@ PAGES = {
 }
 """Kind of study -> what makes the sections of its page."""
 
+LIKE_PAPER = ("ablation", "corruption", "paper")  # studies that play its variants
+
 
 def is_study(folder: Path) -> bool:
     """Whether a folder holds a study rather than a run."""
@@ -51,8 +50,7 @@ def is_study(folder: Path) -> bool:
 def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
     """Write ``figures/*.png|svg``, ``report.html`` and what is wanted besides into a study folder.
 
-    The same logs give the same bytes. Nothing is simulated, but for `communication` and `sensing`:
-    there an episode or a few are played again, and shown if they come out as they were logged.
+    Nothing is simulated, and the same logs give the same bytes.
 
     Raises
     ------
@@ -65,15 +63,15 @@ def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
             f"{folder / 'study.json'}: kind {logs.kind!r} is not one of {', '.join(PAGES)}; "
             f"{again(folder, 'study.json')}"
         )
-    target = folder / "report.html"
-    found = PAGES[logs.kind](logs)
-    sections = [*scene_sections(logs), clearing_section(logs), *found, *cost_sections(logs)]
-    notes = definition_notes()
+    notes: tuple[str, ...] = NOTES
+    sections = [*opening_sections(logs), *PAGES[logs.kind](logs), cost_section(logs)]
     if logs.kind in LIKE_PAPER:
-        sections, notes = referred(sections), [NOTE, *notes]
-    text = render(logs, sections, notes)
-    tables = [table for section in sections for table in section.numbers]
-    pictures = [picture for section in sections for picture in section.pictures]
+        notes, sections = (NOTE, *NOTES), referred(sections)
+    page = study_page(logs, [*sections, notes_section(notes), settings_section(logs)])
+    text = page.text(folder, lambda room: web_replay({"": logs.whole.folder}, room))
+    tables = [table for section in page.sections for table in section.numbers]
+    pictures = [picture for section in page.sections for picture in section.pictures]
     export(folder, tables, pictures, wanted)
+    target = folder / "report.html"
     write_bytes(target, text.encode("utf-8"))
     return target

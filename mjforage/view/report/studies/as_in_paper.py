@@ -1,22 +1,22 @@
-"""How a study's page refers to the paper: its figures by number, and who was taught."""
+"""References to the paper: its figures by number, and marks on policies that were taught."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 from mjforage.view.page.figure import ReportFigure
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Table
 from mjforage.view.report.published import NUMBERS, TAUGHT
-from mjforage.view.report.studies.study_page import Section
+from mjforage.view.report.sections import Section
 
 MARK = "taught by the planner"
 NOTE = (
-    "Policies marked as taught by the planner were shown its moves in training (`belief`). The "
+    "Policies marked as taught by the planner were trained on demonstrations of `belief`. The "
     "paper's network (DRL) learnt from reward alone, and stands beside its like, `ddqn-reward`."
 )
 
 
 def referred(sections: Sequence[Section]) -> list[Section]:
-    """The sections with the paper's numbers in titles of figures, and marks on who was taught."""
+    """The sections with the paper's numbers in titles of figures, and marks on taught policies."""
     return [
         replace(
             section,
@@ -29,20 +29,12 @@ def referred(sections: Sequence[Section]) -> list[Section]:
 
 def _numbered(picture: ReportFigure) -> ReportFigure:
     number = NUMBERS.get(picture.name)
-    if number is None:
-        return picture
-    return replace(picture, title=f"{picture.title} (paper's {number})")
+    return replace(picture, title=f"{picture.title} (paper's {number})") if number else picture
 
 
 def _marked(table: Table) -> Table:
-    rows = tuple(_row(row) for row in table.rows)
-    if rows == table.rows:
-        return table
-    return replace(table, rows=rows)
-
-
-def _row(row: Row) -> Row:
-    return replace(row, head=_name(row.head), group=_name(row.group))
+    rows = (replace(row, head=_name(row.head), group=_name(row.group)) for row in table.rows)
+    return replace(table, rows=tuple(rows))
 
 
 def _name(words: str) -> str:

@@ -1,12 +1,13 @@
 """Metrics over the axes of a study: a column of panels per axis, a row per metric."""
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from mjforage.mission.mission_metrics import Description, describe
 from mjforage.runs.axes import Axis, Point
@@ -20,13 +21,12 @@ from mjforage.view.page.figure import (
     joined,
     mathtext,
 )
+from mjforage.view.report.contrasts import Contrast
 from mjforage.view.report.differences import FEWEST, Difference, family_note, set_apart
-from mjforage.view.report.studies.compared_players import Line, difference
-from mjforage.view.report.studies.study_logs import Player, StudyLogs
+from mjforage.view.report.studies.study_logs import StudyLogs
 
 KEYS = ("pta_c", "nt90")
-LINES: tuple[style.Line, ...] = ("-", "--", ":")
-NAMES: dict[style.Line, str] = {"-": "solid", "--": "dashed", ":": "dotted"}
+LINES: dict[style.Line, str] = {"-": "solid", "--": "dashed", ":": "dotted"}
 SPREAD = 0.55  # of what stands at one value, in distances of neighbouring values
 MARGIN = 0.06  # of an axis of values, beyond intervals
 
@@ -36,108 +36,90 @@ Drawn = tuple[str, str, str, str]
 
 @dataclass(frozen=True)
 class AxisFigure:
-    """What one figure shows."""
+    """Axes of a study in one world, for some policies."""
 
     logs: StudyLogs
     world: str
     axes: tuple[Axis, ...]
     policies: tuple[str, ...]
 
-    def player(self, policy: str, variant: str) -> Player:
-        """Who plays a variant here."""
-        return Player(variant, self.world, policy)
-
-    def played(self, policy: str, line: Sequence[Point]) -> list[Point]:
-        """Points of a line that a policy has played."""
-        runs = self.logs.runs
-        return [one for one in line if one.variant in runs and policy in runs[one.variant].policies]
-
-    def _step(self, axis: Axis, policy: str, variant: str, key: str) -> Difference:
-        """A metric of a variant minus that of what its axis is compared with."""
-        there, here = (Line("", self.player(policy, one)) for one in (variant, axis.against))
-        return difference(self.logs, there, here, key)
-
-    def apart(self) -> tuple[dict[Drawn, bool], list[Difference]]:
-        """Which differ from what they are compared with, and all differences."""
-        found = {
-            (key, axis.name, policy, point.variant): self._step(axis, policy, point.variant, key)
+    @cached_property
+    def gaps(self) -> dict[Drawn, Difference]:
+        """Differences of points to the variant that their axis is compared with."""
+        return {
+            (key, axis.name, policy, point.variant): Contrast(
+                "",
+                self.logs.case(point.variant, self.world, policy),
+                self.logs.case(axis.against, self.world, policy),
+            ).gap(describe(key))
             for key in KEYS
             for axis in self.axes
             for policy in self.policies
-            for point in self.played(policy, axis.points)
-            if point.variant != axis.against
+            for point in axis.points
+            if point.variant != axis.against and self.logs.plays(policy, point.variant)
         }
-        family = list(found.values())
-        return dict(zip(found, set_apart(family), strict=True)), family
 
+    @cached_property
+    def told(self) -> set[Drawn]:
+        """Those of them that differ from 0."""
+        pairs = zip(self.gaps, set_apart(list(self.gaps.values())), strict=True)
+        return {one for one, apart in pairs if apart}
 
-def _shifts(axis: Axis, policies: int) -> Callable[[Point, int, int], float]:
-    """Function of a point and the numbers of policy and line: by how much it stands aside.
+    def draw(self, axes: Axes, axis: Axis, metric: Description) -> None:
+        """Draw a panel: policies side by side, and within each its lines."""
+        places = [axis.place(value) for value in axis.values]
+        step = min(np.diff(places)) if len(places) > 1 else 1.0
+        often = Counter(point.variant for line in axis.lines.values() for point in line)
+        looks, lines = style.policy_styles(self.policies), len(axis.lines)
+        for number, (policy, look) in enumerate(looks.items()):
+            for rank, (line, points) in enumerate(zip(LINES, axis.lines.values(), strict=False)):
+                played = [one for one in points if self.logs.plays(policy, one.variant)]
+                side = (rank - (lines - 1) / 2) / lines
+                middle = number - (len(looks) - 1) / 2
+                aside = [side if often[one.variant] == 1 else 0.0 for one in played]
+                x = [
+                    axis.place(one.value) + step * SPREAD * (middle + by) / len(looks)
+                    for one, by in zip(played, aside, strict=True)
+                ]
+                self._line(axes, axis, metric, policy, (x, played), (look, line))
+        axes.set_xticks(places, [axis.tick(value) for value in axis.values])
+        axes.set_xlim(places[0] - 0.5 * step, places[-1] + 0.5 * step)
+        axes.grid(visible=False, axis="x")
 
-    Beside each other are policies, and within each its lines, but where these share a variant.
-    """
-    often = Counter(point.variant for line in axis.lines.values() for point in line)
-    lines = len(axis.lines)
-
-    def shift(point: Point, policy: int, line: int) -> float:
-        aside = (line - (lines - 1) / 2) / lines if often[point.variant] == 1 else 0.0
-        return SPREAD * (policy - (policies - 1) / 2 + aside) / policies
-
-    return shift
-
-
-def _draw(
-    axes: Axes,
-    shown: AxisFigure,
-    axis: Axis,
-    metric: Description,
-    apart: dict[Drawn, bool],
-) -> None:
-    shift = _shifts(axis, len(shown.policies))
-    places = [axis.place(value) for value in axis.values]
-    step = min(np.diff(places)) if len(places) > 1 else 1.0
-    for number, (policy, look) in enumerate(style.policy_styles(shown.policies).items()):
-        for rank, (line, points) in enumerate(zip(LINES, axis.lines.values(), strict=False)):
-            played = shown.played(policy, points)
-            found = [
-                shown.logs.entry(shown.player(policy, one.variant), metric.key) for one in played
-            ]
-            x = [axis.place(one.value) + step * shift(one, number, rank) for one in played]
+    def _line(
+        self,
+        axes: Axes,
+        axis: Axis,
+        metric: Description,
+        policy: str,
+        places: tuple[Sequence[float], Sequence[Point]],
+        looks: tuple[style.PolicyStyle, style.Line],
+    ) -> None:
+        """Means of points at their places, joined, each with its interval."""
+        (x, points), (look, line) = places, looks
+        cases = [self.logs.case(one.variant, self.world, policy) for one in points]
+        found = [case.summary(metric.key) for case in cases]
+        means = [entry.mean for entry in found]
+        axes.plot(x, means, color=look.colour, linestyle=line, linewidth=1.5, zorder=3)
+        for at, one, entry in zip(x, points, found, strict=True):
+            ends = [entry.low, entry.high]
+            axes.plot([at, at], ends, color=look.colour, linewidth=1.2, alpha=0.6)
+            filled = (metric.key, axis.name, policy, one.variant) in self.told
             axes.plot(
-                x,
-                [entry.mean for entry in found],
-                color=look.colour,
-                linestyle=line,
-                linewidth=1.5,
-                zorder=3,
+                at,
+                entry.mean,
+                **look.dots,
+                markerfacecolor=look.colour if filled else "white",
+                markersize=5.5,
+                markeredgewidth=1.3,
+                zorder=4,
             )
-            for at, one, entry in zip(x, played, found, strict=True):
-                axes.plot(
-                    [at, at], [entry.low, entry.high], color=look.colour, linewidth=1.2, alpha=0.6
-                )
-                filled = apart.get((metric.key, axis.name, policy, one.variant), False)
-                axes.plot(
-                    at,
-                    entry.mean,
-                    **look.dots,
-                    markerfacecolor=look.colour if filled else "white",
-                    markersize=5.5,
-                    markeredgewidth=1.3,
-                    zorder=4,
-                )
-    axes.set_xticks(places, [axis.tick(value) for value in axis.values])
-    axes.set_xlim(places[0] - 0.5 * step, places[-1] + 0.5 * step)
-    axes.grid(visible=False, axis="x")
 
 
 def _below(axis: Axis) -> str:
     """Label of an axis: what it is, and which line is which where there are several."""
-    if len(axis.lines) == 1:
-        return axis.label
-    kinds = "\n".join(
-        f"{NAMES[line]}: {name}" for line, name in zip(LINES, axis.lines, strict=False)
-    )
-    return f"{axis.label}\n{kinds}"
+    kinds = [f"{LINES[line]}: {name}" for line, name in zip(LINES, axis.lines, strict=False)]
+    return "\n".join([axis.label, *(kinds if len(kinds) > 1 else [])])
 
 
 def _scale(row: Sequence[Axes], metric: Description) -> None:
@@ -152,15 +134,6 @@ def _scale(row: Sequence[Axes], metric: Description) -> None:
     row[0].set_ylabel(mathtext(metric.label) + unit)
 
 
-def _panels(figure: Figure, shown: AxisFigure) -> list[list[Axes]]:
-    """Rows of panels: by metric, then by axis, as wide as there are values."""
-    widths = [len(axis.values) + 1.0 for axis in shown.axes]
-    grid = figure.subplots(
-        len(KEYS), len(shown.axes), sharex="col", sharey="row", squeeze=False, width_ratios=widths
-    )
-    return [list(row) for row in grid]
-
-
 def axis_figure(
     name: str, title: str, caption: str, shown: AxisFigure, heads: Sequence[str] = ()
 ) -> ReportFigure:
@@ -170,26 +143,32 @@ def axis_figure(
     ----------
     heads : above the columns; empty: the names of the axes
     """
-    apart, family = shown.apart()
     extra = max(len(axis.lines) if len(axis.lines) > 1 else 0 for axis in shown.axes)
+    widths = [len(axis.values) + 1.0 for axis in shown.axes]
+    names = tuple(heads) or tuple(axis.name for axis in shown.axes)
     with house_style():
         figure = canvas(WIDE_IN, 1.35 + 2.5 * len(KEYS) + 0.17 * extra)
-        panels = _panels(figure, shown)
+        shared: dict[str, Any] = {
+            "sharex": "col",
+            "sharey": "row",
+            "squeeze": False,
+            "width_ratios": widths,
+        }
+        panels = figure.subplots(len(KEYS), len(shown.axes), **shared)
         for row, metric in zip(panels, map(describe, KEYS), strict=True):
             for axes, axis in zip(row, shown.axes, strict=True):
-                _draw(axes, shown, axis, metric, apart)
+                shown.draw(axes, axis, metric)
             _scale(row, metric)
-        names = tuple(heads) or tuple(axis.name for axis in shown.axes)
-        for axes, head in zip(panels[0], names, strict=True):
-            axes.set_title(head)
-        for axes, axis in zip(panels[-1], shown.axes, strict=True):
-            axes.set_xlabel(_below(axis))
+        for above, below, head, axis in zip(panels[0], panels[-1], names, shown.axes, strict=True):
+            above.set_title(head)
+            below.set_xlabel(_below(axis))
         Panel(shown.policies, (shown.world,)).legend(figure)
     pairs = zip(shown.axes, names, strict=True)
     scales = [name for axis, name in pairs if axis.even and len(axis.values) > 1]
+    note = family_note(list(shown.gaps.values()), "this figure", "filled")
     words = (
-        f"{caption} Markers and bars: means and their bootstrap 95 % intervals; "
-        f"{family_note(family, 'this figure', 'filled')} and is of {FEWEST} episodes or more."
+        f"{caption} Markers and bars: means and their bootstrap 95 % intervals; {note} and is of "
+        f"{FEWEST} episodes or more."
     )
     if scales:
         words += f" Values of {joined(scales)} are set at equal distances."

@@ -1,86 +1,70 @@
-"""The board: every policy on several courses, together and one by one, and who they are."""
+"""The board: every policy on several tasks, together and one by one, and what they are."""
 
 from mjforage.runs.board import CEILING
 from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.report_page import map_words
+from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.board_figures import frontier_picture, profiles_picture
 from mjforage.view.report.studies.board_policies import policies_table
 from mjforage.view.report.studies.board_scores import Board, Standing
 from mjforage.view.report.studies.board_tables import (
     MARKED,
-    course_table,
     differences_table,
     iqm_table,
     overall_table,
+    task_table,
 )
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.studies.study_page import Section
 
 
-def courses_table(board: Board) -> Table:
-    """What each course is."""
+def tasks_table(board: Board) -> Table:
+    """Rules, map, world and link of each task."""
     rows = []
-    for course in board.courses:
-        run = board.logs.runs[course]
-        link = run.scenario.get("link", {})
-        cells = (run.name, map_words(run), board.world(course), str(link.get("model", "ideal")))
-        rows.append(Row(course, cells, values=(None,) * len(cells)))
+    for task, logs in board.logs.runs.items():
+        link = logs.run.scenario.get("link", {}).get("model", "ideal")
+        rows.append(Row(task, (logs.run.name, map_words(logs.run), logs.run.worlds[0], str(link))))
     columns = ("rules", "map", "world", "link")
-    return Table("courses", "Courses", columns, tuple(rows), head="course", wordy=True)
+    return Table("tasks", "Tasks", columns, tuple(rows), head="task", wordy=True)
 
 
-def _absent(logs: StudyLogs) -> Table | None:
-    """Who does not play what, and why; None where all play all."""
+def _absent(logs: StudyLogs) -> list[Table]:
+    """Policies that do not play a task, and why; none where all play all."""
     reasons: dict[tuple[str, str], list[str]] = {}
     for one in logs.info.left_out:
         reasons.setdefault((one.policy, one.reason), []).append(one.variant)
     rows = tuple(
-        Row(policy, (", ".join(courses), reason), style.policy_colour(policy), values=(None, None))
-        for (policy, reason), courses in reasons.items()
+        Row(policy, (", ".join(tasks), reason), style.policy_colour(policy))
+        for (policy, reason), tasks in reasons.items()
     )
     title = "Policies that could not play"
-    return Table("left-out", title, ("courses", "reason"), rows, wordy=True) if rows else None
-
-
-def _together(standing: Standing) -> list[Section]:
-    words = (
-        f"`{CEILING}` is shown where items are and how they drift: a bound, and not ranked. All "
-        "policies of a course play the same episodes. Nobody is left out for doing badly."
-    )
-    drawn = [profiles_picture(standing.board), frontier_picture(standing)]
-    pictures = [one for one in drawn if one is not None]
-    return [
-        Section("together", "All courses", words, [overall_table(standing)]),
-        Section("curves", "Profiles, and what decisions cost", "", (), pictures),
-    ]
+    return [Table("left-out", title, ("tasks", "reason"), rows, wordy=True)] if rows else []
 
 
 def sections(logs: StudyLogs) -> list[Section]:
     """The page's sections."""
     board = Board(logs)
     standing = Standing.of(board)
+    together = (
+        f"`{CEILING}` receives the true items and their drift: an upper bound, and not ranked. All "
+        "policies of a task play the same episodes. No policy is left out for doing badly."
+    )
     means = (
         f"Mean ± 1.96 SEM over the episodes. {MARKED} Decision: CPU time that the policy takes to "
         "decide for the whole fleet once, in the batches of episodes in which it was asked (up to "
         "50, with hulls 10), without its first call; ≤ where all chunks are a worker's first of "
-        "that policy, which load and compile. Where agents know different things every one decides "
-        f"for all of them. Energy: {board.metrics[-1].definition}."
+        "that policy, which load and compile. Where agents have different information every one "
+        f"decides for all of them. Energy: {board.metrics[-1].definition}."
     )
-    absent = _absent(logs)
-    who = [policies_table(board), *([absent] if absent else [])]
+    drawn = [one for one in (profiles_picture(board), frontier_picture(standing)) if one]
+    least = "Differences to the best of the task"
+    policies = "The policies, and what they were trained on"
     return [
-        *_together(standing),
-        Section("courses", "Courses", "", [courses_table(board)]),
-        Section(
-            "scores", "Course by course", means, [course_table(board, c) for c in board.courses]
-        ),
-        Section(
-            "differences",
-            "Differences to the best of the course",
-            "",
-            folded=[differences_table(board)],
-        ),
-        Section("iqm", "Interquartile means", "", folded=[iqm_table(board)]),
-        Section("policies", "What the policies are, and what they were given", "", who),
+        Section("together", "All tasks", together, [overall_table(standing)]),
+        Section("curves", "Profiles, and the cost of decisions", pictures=drawn),
+        Section("tasks", "Tasks", tables=[tasks_table(board)]),
+        Section("scores", "Task by task", means, [task_table(board, one) for one in board.tasks]),
+        Section("differences", least, folded=[differences_table(board)]),
+        Section("iqm", "Interquartile means", folded=[iqm_table(board)]),
+        Section("policies", policies, tables=[policies_table(board), *_absent(logs)]),
     ]

@@ -22,8 +22,8 @@ from mjforage.view.page.figure import (
     undefined,
 )
 from mjforage.view.report.differences import SEED
-from mjforage.view.report.studies.board_scores import SCORES, Board, FloatArray, Standing
-from mjforage.view.report.text_tables import policy_name
+from mjforage.view.report.run_logs import FloatArray
+from mjforage.view.report.studies.board_scores import SCORES, Board, Standing
 
 COLUMNS = 3  # panels beside one another
 THRESHOLDS = 101
@@ -41,7 +41,7 @@ def _legend(figure: Figure, board: Board) -> None:
             color=look.colour,
             marker=look.marker,
             markersize=5.5,
-            label=policy_name(name, board.logs.bounds),
+            label=board.head(name),
         )
         for name, look in style.policy_styles(board.policies).items()
     ]
@@ -55,8 +55,8 @@ def _label(metric: Description) -> str:
 
 
 def _pooled(board: Board, policy: str, score: str) -> tuple[FloatArray, FloatArray]:
-    """(run,) a score in every run of the courses that all play, and the number of its course."""
-    found = [board.values(course, policy, score) for course in board.shared]
+    """(run,) a score in every run of the tasks that all play, and the number of its task."""
+    found = [board.case(task, policy).values(score) for task in board.shared]
     labels = [np.full(len(one), place, float) for place, one in enumerate(found)]
     return np.concatenate(found), np.concatenate(labels)
 
@@ -93,7 +93,7 @@ def _profiles(axes: Axes, board: Board, metric: Description) -> None:
 
 
 def profiles_picture(board: Board) -> ReportFigure | None:
-    """A panel per score, a line per policy; None where no course is played by all."""
+    """A panel per score, a line per policy; None where no task is played by all."""
     if not board.shared:
         return None
     lines = -(-len(SCORES) // COLUMNS)
@@ -106,51 +106,40 @@ def profiles_picture(board: Board) -> ReportFigure | None:
             axes.set_ylabel("share of runs")
         _legend(figure, board)
     caption = (
-        "Share of the runs (every episode of the courses that all policies play) whose score is "
+        "Share of the runs (every episode of the tasks that all policies play) whose score is "
         "at least as good as τ; a line that lies above another is better at that τ. Bands: "
-        "pointwise bootstrap 95 % intervals, episodes resampled within courses (Agarwal et al., "
+        "pointwise bootstrap 95 % intervals, episodes resampled within tasks (Agarwal et al., "
         "NeurIPS 2021). A run without a score counts as worse than every τ. The axes leave out "
         f"the worst {100 * TAIL:g} % of all runs."
     )
     return ReportFigure("profiles", "Performance profiles", caption, figure, wide=True)
 
 
-def _quality(standing: Standing, key: str) -> FloatArray:
-    """(policy, 1 + resample) what the frontier shows of a score, or of all of them."""
-    return standing.overall if key == "" else standing.raw[:, SCORES.index(key)]
-
-
 def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
-    """Draw a panel; return who is on its front, the cheapest first."""
+    """Draw a panel of a score, or of all for ""; return its front, the cheapest first."""
     board = standing.board
     cost = np.array([board.mean_decision(policy).ms for policy in board.policies])
-    found = [standing.number(row) for row in _quality(standing, key)]
+    quality = standing.raw[:, SCORES.index(key)] if key else standing.overall
+    found = [standing.number(row) for row in quality]
     better = describe(key).better if key else 1
     worth = better * np.array([one.value for one in found])
     competing = np.array([policy in board.ranked for policy in board.policies])
     front = np.zeros(len(cost), np.bool_)
     front[competing] = pareto_front(cost[competing], worth[competing])
     order = [place for place in np.argsort(cost) if front[place]]
-    axes.step(
-        cost[order],
-        [found[place].value for place in order],
-        where="post",
-        color=style.MUTED,
-        linewidth=1.0,
-        linestyle="--",
-        zorder=1,
-    )
+    heights = [found[place].value for place in order]
+    dashes: dict[str, Any] = {"color": style.MUTED, "linestyle": "--", "linewidth": 1.0}
+    axes.step(cost[order], heights, where="post", zorder=1, **dashes)
     for place, look in enumerate(style.policy_styles(board.policies).values()):
-        one = found[place]
-        if np.isnan([cost[place], one.value]).any():
+        one, at = found[place], cost[place]
+        if np.isnan([at, one.value]).any():
             continue
-        axes.plot([cost[place]] * 2, [one.low, one.high], color=look.colour, linewidth=1.4)
+        axes.plot([at] * 2, [one.low, one.high], color=look.colour, linewidth=1.4)
         face = look.colour if competing[place] else "white"
-        dot: dict[str, Any] = {"markerfacecolor": face, "markersize": 7, "zorder": 3}
-        axes.plot(cost[place], one.value, **look.dots, **dot)
+        axes.plot(at, one.value, **look.dots, markerfacecolor=face, markersize=7, zorder=3)
         if front[place]:
             ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": style.INK}
-            axes.plot(cost[place], one.value, "o", markersize=13, zorder=2, **ring)
+            axes.plot(at, one.value, "o", markersize=13, zorder=2, **ring)
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xlabel("CPU time of a fleet decision  [ms]")
@@ -161,7 +150,7 @@ def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
 
 
 def frontier_picture(standing: Standing) -> ReportFigure | None:
-    """Quality against the time of a decision; None where nobody's was measured."""
+    """Quality against the time of a decision; None where none was measured."""
     board = standing.board
     if not any(np.isfinite(board.mean_decision(policy).ms) for policy in board.ranked):
         return None
@@ -176,8 +165,8 @@ def frontier_picture(standing: Standing) -> ReportFigure | None:
         for key, front in fronts.items()
     )
     caption = (
-        "Means over the courses that all policies play, of the time the geometric mean; up is "
-        "better in every panel. Bars: bootstrap 95 % intervals, episodes resampled within courses. "
+        "Means over the tasks that all policies play, of the time the geometric mean; up is "
+        "better in every panel. Bars: bootstrap 95 % intervals, episodes resampled within tasks. "
         "Ringed and joined: the Pareto front, those that no policy beats in both; bounds (hollow) "
         f"aside. On it, the fastest first: {named}."
     )

@@ -12,9 +12,9 @@ from mjforage.base.errors import UserError
 from mjforage.view.page.figure import ReportFigure, house_style, png_bytes, smaller
 from mjforage.view.page.table_files import markdown_text
 from mjforage.view.report.differences import FEWEST
+from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import board
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
-from mjforage.view.report.studies.study_page import Section
 
 ENOUGH = 100  # episodes of a board that is meant to be read
 

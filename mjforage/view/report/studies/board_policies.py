@@ -1,4 +1,4 @@
-"""What each policy of a board is, and what it was given: training, weights, its page."""
+"""Description of each policy of a board: summary, training, weights, page."""
 
 import re
 from functools import lru_cache
@@ -12,10 +12,8 @@ from mjforage.graph_planner.policies.registry import (
     policy_summary,
 )
 from mjforage.scenario.assets import models_folder
-from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING, Row, Table
 from mjforage.view.report.studies.board_scores import Board
-from mjforage.view.report.text_tables import policy_name
 
 WEIGHTS = "models/weights/README.md"
 _PAGE = re.compile(r" \(\[[^\]]+\]\([^)]+\)\)")  # a link in parentheses, true in its folder only
@@ -68,8 +66,6 @@ def policies_table(board: Board) -> Table:
         what = policy_summary(name) if name in policy_names() else ""
         trained, page = given(policy)
         cells = (what or NOTHING, trained or NOTHING, f"`{page}`" if page else NOTHING)
-        head = policy_name(policy, board.logs.bounds)
-        colour = style.policy_styles(board.policies)[policy].colour
-        rows.append(Row(head, cells, colour, values=(None,) * len(cells)))
+        rows.append(Row(board.head(policy), cells, board.colour(policy)))
     columns = ("what it is", "training", "described in")
     return Table("policies", "The policies", columns, tuple(rows), wordy=True)

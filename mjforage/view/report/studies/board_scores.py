@@ -1,48 +1,52 @@
-"""What the board is read from: scores of every policy on every course, and what sums them up."""
+"""Scores of every policy on every task of the board, and what sums them up."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.stats import rankdata
 
 from mjforage.metrics import normalised, paired_p, resampled_means
 from mjforage.metrics.resampling import percentiles
 from mjforage.mission.mission_metrics import Description, describe
 from mjforage.runs.board import CEILING, FLOOR
+from mjforage.runs.costs import Cost
 from mjforage.view.page import style
 from mjforage.view.page.table import Number
 from mjforage.view.report.best_marks import LEVEL, best_and_alike
 from mjforage.view.report.differences import SEED
-from mjforage.view.report.studies.study_logs import Player, StudyLogs
+from mjforage.view.report.run_logs import Case, FloatArray, policy_name
+from mjforage.view.report.studies.cost import later_chunks
+from mjforage.view.report.studies.study_logs import StudyLogs, ordered_policies
 
-FloatArray = NDArray[np.float64]
 SCORES = ("pta_c", "pta_d", "nt50", "nt90", "csr", "energy_per_item")
+TaskScore = tuple[str, str]
+"""A task and the key of a score."""
 
 
 @dataclass(frozen=True)
-class Cell:
-    """A course and a score."""
+class Decision:
+    """CPU time of a decision for the whole fleet."""
 
-    course: str
-    score: str
+    ms: float  # NaN if not measured
+    at_most: bool = False  # loading and compiling are in it
 
 
 @dataclass(frozen=True)
 class Board:
-    """The logs of a study whose variants are courses, each in one world."""
+    """The logs of a study whose variants are tasks, each in one world."""
 
     logs: StudyLogs
 
     @cached_property
-    def courses(self) -> tuple[str, ...]:
-        """Names of the courses, in their order."""
+    def tasks(self) -> tuple[str, ...]:
+        """Names of the tasks, in their order."""
         return tuple(self.logs.runs)
 
     @cached_property
     def policies(self) -> tuple[str, ...]:
-        """All who play, in the fixed order."""
-        return style.ordered(one for run in self.logs.runs.values() for one in run.policies)
+        """All policies, in the fixed order."""
+        return ordered_policies(self.logs)
 
     @cached_property
     def ranked(self) -> tuple[str, ...]:
@@ -56,69 +60,69 @@ class Board:
 
     @cached_property
     def shared(self) -> tuple[str, ...]:
-        """Courses that every ranked policy plays: means over several are taken over these."""
-        return tuple(one for one in self.courses if set(self.ranked) <= set(self.players(one)))
+        """Tasks that every ranked policy plays: means over several are taken over these."""
+        return tuple(one for one in self.tasks if set(self.ranked) <= set(self.players(one)))
 
     @cached_property
-    def cells(self) -> tuple[Cell, ...]:
-        """Every course and score."""
-        return tuple(Cell(course, score) for course in self.courses for score in SCORES)
+    def cells(self) -> tuple[TaskScore, ...]:
+        """Every task and score."""
+        return tuple((task, score) for task in self.tasks for score in SCORES)
 
-    def world(self, course: str) -> str:
-        """World of a course."""
-        return str(self.logs.runs[course].worlds[0])
+    def head(self, policy: str) -> str:
+        """A policy, marked where it is a bound."""
+        return policy_name(policy, self.logs.bounds)
 
-    def players(self, course: str) -> tuple[str, ...]:
-        """Who plays a course, in the fixed order."""
-        return style.ordered(self.logs.runs[course].policies)
+    def colour(self, policy: str) -> str:
+        """Colour of a policy."""
+        return style.policy_styles(self.policies)[policy].colour
 
-    def player(self, course: str, policy: str) -> Player:
-        """A policy on a course."""
-        return Player(course, self.world(course), policy)
+    def players(self, task: str) -> tuple[str, ...]:
+        """Policies of a task, in the fixed order."""
+        return self.logs.runs[task].policies
 
-    def values(self, course: str, policy: str, score: str) -> FloatArray:
-        """(episode,) a score, NaN where undefined."""
-        return self.logs.values(self.player(course, policy), score)
+    def case(self, task: str, policy: str) -> Case:
+        """A policy on a task."""
+        run = self.logs.runs[task]
+        return Case(run, run.run.worlds[0], policy)
 
-    def competing(self, cell: Cell) -> dict[str, FloatArray]:
-        """Ranked policies of a course -> (episode,) the score."""
-        players = [one for one in self.players(cell.course) if one in self.ranked]
-        return {one: self.values(cell.course, one, cell.score) for one in players}
-
-    def winners(self, cell: Cell) -> set[str]:
-        """The best there, and those not told from it."""
-        return best_and_alike(self.competing(cell), describe(cell.score).better)
+    def competing(self, cell: TaskScore) -> dict[str, FloatArray]:
+        """Ranked policies of a task -> (episode,) the score."""
+        task, score = cell
+        players = [one for one in self.players(task) if one in self.ranked]
+        return {one: self.case(task, one).values(score) for one in players}
 
     @cached_property
-    def _began(self) -> dict[tuple[str, str, str], float]:
-        """Call, worker and policy -> when its first chunk of that policy began."""
-        found: dict[tuple[str, str, str], float] = {}
-        for one in (cost for costs in self.logs.costs.values() for cost in costs):
-            key = (one.started, one.worker, one.policy)
-            found[key] = min(one.began_s, found.get(key, one.began_s))
-        return found
+    def winners(self) -> dict[TaskScore, set[str]]:
+        """The best of every cell, and those not told from it."""
+        return {
+            cell: best_and_alike(self.competing(cell), describe(cell[1]).better)
+            for cell in self.cells
+        }
 
-    def decision(self, course: str, policy: str) -> "Decision":
+    @cached_property
+    def _later(self) -> set[Cost]:
+        """Chunks that are not a worker's first of a policy, which also loads and compiles."""
+        return later_chunks(cost for costs in self.logs.costs.values() for cost in costs)
+
+    def decision(self, task: str, policy: str) -> Decision:
         """CPU time of the policy per decision for the whole fleet.
 
-        A worker's first chunk of a policy also loads and compiles: it counts where there is no
-        other alone.
+        A worker's first chunk of a policy counts where there is no other alone.
         """
-        world = self.world(course)
-        chunks = [c for c in self.logs.costs[course] if (c.world, c.policy) == (world, policy)]
-        began = self._began
-        warm = [c for c in chunks if c.began_s > began[c.started, c.worker, c.policy]]
+        world = self.case(task, policy).world
+        chunks = [c for c in self.logs.costs[task] if (c.world, c.policy) == (world, policy)]
+        warm = [chunk for chunk in chunks if chunk in self._later]
         decisions = sum(one.decisions for one in warm or chunks)
         if not decisions:
             return Decision(np.nan)
         return Decision(1000 * sum(one.decide_s for one in warm or chunks) / decisions, not warm)
 
-    def mean_decision(self, policy: str) -> "Decision":
-        """Geometric mean of the same over the courses that all play, those that were warm if any.
+    def mean_decision(self, policy: str) -> Decision:
+        """Geometric mean of the same over the tasks that all play, those that were warm if any.
 
         Undefined if one of them was not measured.
         """
-        found = [self.decision(course, policy) for course in self.shared]
+        found = [self.decision(task, policy) for task in self.shared]
         used = [one for one in found if not one.at_most] or found
         each = np.array([one.ms for one in used])
         if not each.size or not (each > 0).all():
@@ -126,31 +130,23 @@ class Board:
         return Decision(float(np.exp(np.log(each).mean())), used[0].at_most)
 
 
-@dataclass(frozen=True)
-class Decision:
-    """CPU time of a decision for the whole fleet."""
-
-    ms: float  # NaN if not measured
-    at_most: bool = False  # loading and compiling are in it
-
-
-def draws_of(board: Board, course: str) -> FloatArray:
-    """(policy, score, 1 + resample) means on a course: of its episodes, then of resampled ones.
+def draws_of(board: Board, task: str) -> FloatArray:
+    """(policy, score, 1 + resample) means on a task: of its episodes, then of resampled ones.
 
     Policies of the board in their order, NaN for those that do not play it; all play the same
     resampled episodes.
     """
-    playing = board.players(course)
-    nothing = np.full(board.logs.runs[course].episodes, np.nan)
+    nothing = np.full((len(SCORES), board.logs.runs[task].run.episodes), np.nan)
     values = np.array(
         [
-            [board.values(course, p, key) if p in playing else nothing for key in SCORES]
-            for p in board.policies
+            [board.case(task, one).values(key) for key in SCORES]
+            if one in board.players(task)
+            else nothing
+            for one in board.policies
         ]
     )
-    again = resampled_means(values, [SEED, board.courses.index(course)])
-    once = plain_means(values)
-    return np.concatenate([once[..., None], again], axis=-1)
+    again = resampled_means(values, [SEED, board.tasks.index(task)])
+    return np.concatenate([plain_means(values)[..., None], again], axis=-1)
 
 
 def plain_means(values: FloatArray) -> FloatArray:
@@ -162,13 +158,13 @@ def plain_means(values: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Standing:
-    """Means over courses, with intervals of resampled episodes; every array is (..., 1 + resample),
+    """Means over tasks, with intervals of resampled episodes; every array is (..., 1 + resample),
     of which the first is the estimate.
 
     Attributes
     ----------
-    board : whose courses they are
-    raw : (policy, score, ...) mean over the courses that all play
+    board : whose tasks they are
+    raw : (policy, score, ...) mean over the tasks that all play
     scores : (policy, score, ...) the same of normalised scores, over the cells that have one
     overall : (policy, ...) mean over all those cells
     used : the cells that have a normalised score
@@ -178,43 +174,48 @@ class Standing:
     raw: FloatArray
     scores: FloatArray
     overall: FloatArray
-    used: tuple[Cell, ...]
+    used: tuple[TaskScore, ...]
 
     @classmethod
     def of(cls, board: Board) -> "Standing":
         """Sum a board up."""
+        draws = {task: draws_of(board, task) for task in board.shared}
+        used = tuple(cell for cell in board.cells if cell[0] in draws and _told(board, cell))
         shape = (len(board.policies), len(SCORES), 0)
-        draws = {course: draws_of(board, course) for course in board.shared}
-        used = tuple(one for one in board.cells if one.course in draws and _told(board, one))
         raw = np.array(list(draws.values())).mean(axis=0) if draws else np.full(shape, np.nan)
-        scaled = {cell: _scaled(board, draws[cell.course], cell) for cell in used}
-        by_score = [
-            [found for cell, found in scaled.items() if cell.score == score] for score in SCORES
-        ]
+        scaled = {cell: _scaled(board, draws[cell[0]], cell[1]) for cell in used}
         nothing = np.full((len(board.policies), raw.shape[-1]), np.nan)
-        scores = np.array([np.mean(one, axis=0) if one else nothing for one in by_score])
+        scores = [[found for (_, score), found in scaled.items() if score == key] for key in SCORES]
+        means = np.array([np.mean(one, axis=0) if one else nothing for one in scores])
         overall = np.mean(list(scaled.values()), axis=0) if scaled else nothing
-        return cls(board, raw, scores.swapaxes(0, 1), overall, used)
+        return cls(board, raw, means.swapaxes(0, 1), overall, used)
 
-    def number(self, row: FloatArray) -> Number:
+    @property
+    def normalised(self) -> list[str]:
+        """Scores that have a normalised one in some cell."""
+        return [key for key in SCORES if any(score == key for _, score in self.used)]
+
+    @staticmethod
+    def number(row: FloatArray) -> Number:
         """An estimate with its interval, from one (1 + resample) of the arrays."""
         if not row.size or np.isnan(row).any():
             return Number(float(row[0]) if row.size else np.nan)
         return Number(float(row[0]), *percentiles(row[1:]))
 
 
-def _told(board: Board, cell: Cell) -> bool:
+def _told(board: Board, cell: TaskScore) -> bool:
     """Whether the ceiling is better than the floor there, by a paired t-test at the usual level."""
-    if not {FLOOR, CEILING} <= set(board.players(cell.course)):
+    task, score = cell
+    if not {FLOOR, CEILING} <= set(board.players(task)):
         return False
-    low, high = (board.values(cell.course, one, cell.score) for one in (FLOOR, CEILING))
-    gap = describe(cell.score).better * plain_means(high - low)
+    low, high = (board.case(task, one).values(score) for one in (FLOOR, CEILING))
+    gap = describe(score).better * plain_means(high - low)
     return bool(gap > 0 and paired_p(high, low) < LEVEL)
 
 
-def _scaled(board: Board, draws: FloatArray, cell: Cell) -> FloatArray:
+def _scaled(board: Board, draws: FloatArray, score: str) -> FloatArray:
     """(policy, 1 + resample) normalised means of a cell."""
-    means = draws[:, SCORES.index(cell.score)]
+    means = draws[:, SCORES.index(score)]
     low, high = (means[board.policies.index(one)] for one in (FLOOR, CEILING))
     return normalised(means, low, high)
 
@@ -226,11 +227,10 @@ def mean_ranks(board: Board) -> dict[str, float]:
     """
     ranks: dict[str, list[float]] = {policy: [] for policy in board.ranked}
     for cell in board.cells:
-        better = describe(cell.score).better
-        means = {p: better * float(plain_means(x)) for p, x in board.competing(cell).items()}
+        means = {policy: float(plain_means(x)) for policy, x in board.competing(cell).items()}
         known = {policy: mean for policy, mean in means.items() if not np.isnan(mean)}
-        for policy, mean in known.items():
-            above = sum(other > mean for other in known.values())
-            equal = sum(other == mean for other in known.values()) - 1
-            ranks[policy].append(1 + above + equal / 2)
+        better = describe(cell[1]).better
+        places = rankdata([-better * mean for mean in known.values()])
+        for policy, place in zip(known, places, strict=True):
+            ranks[policy].append(float(place))
     return {policy: float(np.mean(found)) if found else np.nan for policy, found in ranks.items()}

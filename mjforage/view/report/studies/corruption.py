@@ -1,11 +1,11 @@
 """How performance falls as a team's actions become random: slopes, break points, figures."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from mjforage.metrics import (
     BreakTest,
@@ -31,12 +31,13 @@ from mjforage.view.page.figure import (
     joined,
     mathtext,
 )
-from mjforage.view.page.table import Number, Row, Table
-from mjforage.view.report.differences import SEED
+from mjforage.view.page.table import NOTHING, Number, Row, Table
+from mjforage.view.report.cells import UNDEFINED, Cell, interval_cell, number, number_cell, row
+from mjforage.view.report.differences import SEED, p_text
 from mjforage.view.report.published import elsewhere, published_for
-from mjforage.view.report.studies.study_logs import Player, StudyLogs
-from mjforage.view.report.studies.study_page import Section
-from mjforage.view.report.text_tables import NOTHING, number, policy_name
+from mjforage.view.report.run_logs import FloatArray, policy_name
+from mjforage.view.report.sections import Section
+from mjforage.view.report.studies.study_logs import StudyLogs
 
 KEYS = ("pta_c", "pta_d", "rmse_columns", "rmse")
 COLUMNS = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %", "p of one line")
@@ -49,9 +50,9 @@ SAME_LEVEL = 0.1  # of a step between levels: a break this near to a level lies 
 class Fit:
     """One metric of one policy over the levels of corruption of one team."""
 
-    levels: NDArray[np.float64]  # (level,)
-    means: NDArray[np.float64]  # (level,)
-    half: NDArray[np.float64]  # (level,) 1.96 SEM
+    levels: FloatArray  # (level,)
+    means: FloatArray  # (level,)
+    half: FloatArray  # (level,) 1.96 SEM
     line: Line
     bent: TwoSegments
     intervals: SensitivityIntervals
@@ -63,6 +64,11 @@ class Fit:
         return float(self.line.sse) > ROUNDING * float(np.sum(self.means**2))
 
     @property
+    def slope(self) -> Number:
+        """Slope of the line with its interval."""
+        return Number(float(self.line.slope), *self.intervals.slope)
+
+    @property
     def slopes(self) -> tuple[float, float]:
         """Slopes before and after the break; NaN for a segment of one level beside the break."""
         at = float(self.bent.break_point)
@@ -71,6 +77,37 @@ class Fit:
         left = np.count_nonzero(self.levels < at - near)
         right = np.count_nonzero(self.levels > at + near)
         return before if left > 1 else float("nan"), after if right > 1 else float("nan")
+
+    def draw(self, axes: Axes, look: style.PolicyStyle, line: style.Line) -> None:
+        """Draw means with bands, the line, and two segments with a stroke at the break."""
+        x, colour = self.levels, look.colour
+        ends = self.means - self.half, self.means + self.half
+        axes.fill_between(x, *ends, color=colour, alpha=0.14, linewidth=0)
+        axes.plot(x, self.means, **look.dots, markersize=4)
+        axes.plot(x, self.line.intercept + self.line.slope * x, color=colour, linestyle=line)
+        if self.bends:
+            at, height = float(self.bent.break_point), float(self.bent.height)
+            first = height + float(self.bent.slope_before) * (x[0] - at)
+            last = height + float(self.bent.slope_after) * (x[-1] - at)
+            segments = [x[0], at, x[-1]], [first, height, last]
+            axes.plot(*segments, color=colour, linewidth=1.0, linestyle=":")
+            axes.plot(at, height, "|", color=colour, markersize=14, markeredgewidth=1.6)
+
+
+def fit_levels(levels: FloatArray, values: FloatArray) -> Fit | None:
+    """Fit (level, episode) values; None where a mean is undefined."""
+    means = mean(values)
+    if not np.isfinite(means).all():
+        return None
+    return Fit(
+        levels,
+        means,
+        half_width_95(values),
+        sensitivity_slope(levels, means),
+        two_segment_fit(levels, means),
+        bootstrap_sensitivity(levels, values, SEED),
+        break_test(levels, values, SEED),
+    )
 
 
 def teams(logs: StudyLogs) -> list[str]:
@@ -87,67 +124,30 @@ class Fits:
         self.of = lru_cache(maxsize=None)(self._of)
 
     def _of(self, team: str, world: str, policy: str, key: str) -> Fit | None:
-        values = np.stack(
-            [
-                self._logs.values(Player(corrupted_name(team, level), world, policy), key)
-                for level in self._levels
-            ]
-        )
-        means = mean(values)
-        if not np.isfinite(means).all():
-            return None
-        return Fit(
-            self._levels,
-            means,
-            half_width_95(values),
-            sensitivity_slope(self._levels, means),
-            two_segment_fit(self._levels, means),
-            bootstrap_sensitivity(self._levels, values, SEED),
-            break_test(self._levels, values, SEED),
-        )
+        names = [corrupted_name(team, level) for level in self._levels]
+        values = [self._logs.case(name, world, policy).values(key) for name in names]
+        return fit_levels(self._levels, np.stack(values))
 
 
-def _span(ends: tuple[float, float], digits: int) -> str:
-    return f"{number(ends[0], digits)} to {number(ends[1], digits)}"
+def slope_cell(fit: Fit | None, digits: int) -> Cell:
+    """SS with its bootstrap interval."""
+    return interval_cell(fit.slope, digits) if fit else UNDEFINED
 
 
-def _cells(fit: Fit | None, digits: int) -> tuple[str, ...]:
+def fit_cells(fit: Fit | None, digits: int) -> Iterator[Cell]:
+    """Cells of `COLUMNS`."""
     if fit is None:
-        return (NOTHING,) * len(COLUMNS)
-    within = fit.intervals
-    straight = (
-        number(float(fit.means[0]), digits),
-        number(float(fit.means[-1]), digits),
-        f"{number(float(fit.line.slope), digits)} ({_span(within.slope, digits)})",
-    )
+        yield from (UNDEFINED,) * len(COLUMNS)
+        return
+    yield from (number_cell(float(one), digits) for one in (fit.means[0], fit.means[-1]))
+    yield slope_cell(fit, digits)
     if not fit.bends:
-        return (*straight, *(NOTHING,) * (len(COLUMNS) - 3))
-    return (
-        *straight,
-        f"{number(float(fit.bent.break_point), 2)} ({_span(within.break_point, 2)})",
-        *(number(slope, digits) for slope in fit.slopes),
-        number(100 * (1 - float(fit.bent.sse) / float(fit.line.sse)), 0),
-        "< 0.001" if fit.test.p < 0.001 else number(fit.test.p, 3),
-    )
-
-
-def _values(fit: Fit | None) -> tuple[Number, ...]:
-    """The numbers of `_cells`."""
-    if fit is None:
-        return (Number(float("nan")),) * len(COLUMNS)
-    within = fit.intervals
-    ends = Number(float(fit.means[0])), Number(float(fit.means[-1]))
-    slope = Number(float(fit.line.slope), *within.slope)
-    if not fit.bends:
-        return (*ends, slope, *(Number(float("nan")),) * (len(COLUMNS) - 3))
-    return (
-        *ends,
-        slope,
-        Number(float(fit.bent.break_point), *within.break_point),
-        *map(Number, fit.slopes),
-        Number(100 * (1 - float(fit.bent.sse) / float(fit.line.sse))),
-        Number(fit.test.p),
-    )
+        yield from (UNDEFINED,) * (len(COLUMNS) - 3)
+        return
+    yield interval_cell(Number(float(fit.bent.break_point), *fit.intervals.break_point), 2)
+    yield from (number_cell(slope, digits) for slope in fit.slopes)
+    yield number_cell(100 * (1 - float(fit.bent.sse) / float(fit.line.sse)), 0)
+    yield Cell(p_text(fit.test.p), Number(fit.test.p), best=fit.test.p < SIGNIFICANT)
 
 
 def unlike_draws(logs: StudyLogs) -> str:
@@ -158,7 +158,7 @@ def unlike_draws(logs: StudyLogs) -> str:
 
 
 def _slope_notes(logs: StudyLogs, printed: bool) -> tuple[str, ...]:
-    """What the columns mean; `printed`: with the paper's rows among them."""
+    """Notes on the columns; `printed`: with the paper's rows among them."""
     draw = (
         "One draw for the whole team, and random foragers still take a known item beside them, as "
         "in the published code."
@@ -183,68 +183,47 @@ def _slope_notes(logs: StudyLogs, printed: bool) -> tuple[str, ...]:
     )
 
 
+def _grouped(one: Row, group: str, better: int, note: str) -> Row:
+    return replace(one, group=group, group_better=better, note=note)
+
+
 def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     """Slopes and break points per corrupted team and metric."""
-    rows, found = [], (published_for(logs.base, policy) for policy in logs.base.policies)
-    printed = {pair for known in found if known for pair in known.slopes}
+    rows: list[Row] = []
     for team in teams(logs):
         for metric in map(describe, KEYS):
-            group = f"{team} corrupted, {metric.label}"
-            note = unlike_draws(logs) if (team, metric.key) in printed else ""
-            for policy in style.ordered(logs.base.policies):
+            here: list[Row] = []
+            for policy in logs.policies:
+                head, colour = policy_name(policy, logs.bounds), style.policy_colour(policy)
                 for world in logs.worlds:
                     fit = fits.of(team, world, policy, metric.key)
-                    head = policy_name(policy, logs.bounds) + logs.suffix(world)
-                    cells, colour = _cells(fit, metric.digits), style.policy_colour(policy)
-                    bent = fit is not None and fit.test.p < SIGNIFICANT
-                    best = frozenset({len(COLUMNS) - 1} if bent else ())
-                    row = Row(head, cells, colour, best=best, group=group, note=note)
-                    row = replace(row, group_better=metric.better)
-                    rows.append(replace(row, values=_values(fit)))
+                    cells = fit_cells(fit, metric.digits)
+                    here.append(row(head + logs.suffix(world), cells, colour))
                 known = published_for(logs.base, policy)
                 if known and (team, metric.key) in known.slopes:
-                    slope = known.slopes[team, metric.key]
-                    text, rest = number(slope, metric.digits), len(COLUMNS) - 3
-                    cells = (NOTHING, NOTHING, text, *(NOTHING,) * rest)
-                    values = (None, None, Number(slope), *(None,) * rest)
+                    slope = number_cell(known.slopes[team, metric.key], metric.digits)
+                    nothing = Cell(NOTHING)
+                    cells = iter((nothing, nothing, slope, *(nothing,) * (len(COLUMNS) - 3)))
                     head = f"{known.algorithm}, paper{elsewhere(logs.base)}"
-                    row = Row(head, cells, group=group, paper=True, values=values)
-                    rows.append(replace(row, group_better=metric.better))
-    notes = _slope_notes(logs, any(row.paper for row in rows))
+                    here.append(row(head, cells, paper=True))
+            note = unlike_draws(logs) if any(one.paper for one in here) else ""
+            about = f"{team} corrupted, {metric.label}", metric.better
+            rows += [_grouped(one, *about, "" if one.paper else note) for one in here]
+    notes = _slope_notes(logs, any(one.paper for one in rows))
     return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
-
-
-def _draw(axes: Axes, fit: Fit, look: style.PolicyStyle, line: style.Line) -> None:
-    x = fit.levels
-    axes.fill_between(
-        x, fit.means - fit.half, fit.means + fit.half, color=look.colour, alpha=0.14, linewidth=0
-    )
-    axes.plot(x, fit.means, **look.dots, markersize=4)
-    axes.plot(x, fit.line.intercept + fit.line.slope * x, color=look.colour, linestyle=line)
-    if not fit.bends:
-        return
-    at, height = float(fit.bent.break_point), float(fit.bent.height)
-    ends = [
-        height + float(fit.bent.slope_before) * (x[0] - at),
-        height,
-        height + float(fit.bent.slope_after) * (x[-1] - at),
-    ]
-    axes.plot([x[0], at, x[-1]], ends, color=look.colour, linewidth=1.0, linestyle=":")
-    axes.plot(at, height, "|", color=look.colour, markersize=14, markeredgewidth=1.6)
 
 
 def picture(logs: StudyLogs, fits: Fits, team: str) -> ReportFigure:
     """Every metric over the corruption of one team, as the paper's two CSSC figures."""
-    panel = Panel(style.ordered(logs.base.policies), logs.worlds)
+    panel = Panel(logs.policies, logs.worlds)
     with house_style():
         figure = canvas(WIDTH_IN, 1.1 + 2.6 * len(KEYS))
         grid = figure.subplots(len(KEYS), 1, sharex=True, squeeze=False)
         for axes, metric in zip(grid[:, 0], map(describe, KEYS), strict=True):
             for policy, look in panel.styles().items():
                 for world, line in panel.lines().items():
-                    fit = fits.of(team, world, policy, metric.key)
-                    if fit is not None:
-                        _draw(axes, fit, look, line)
+                    if fit := fits.of(team, world, policy, metric.key):
+                        fit.draw(axes, look, line)
             axes.set_ylabel(f"{mathtext(metric.label)}  [{metric.unit}]")
             axes.set_xlim(-0.02, 1.02)
         grid[-1, 0].set_xlabel(f"corruption ε of {team}")
@@ -253,17 +232,16 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> ReportFigure:
         "Markers: means of the episodes, bands ± 1.96 SEM; lines: least squares, whose slope is "
         "SS; dotted: two segments, with a stroke at the break point."
     )
-    words += _published(logs, team)
-    return ReportFigure(f"corruption-{team}", f"Corruption of {team}", words, figure)
+    title = f"Corruption of {team}"
+    return ReportFigure(f"corruption-{team}", title, words + _published(logs, team), figure)
 
 
 def _published(logs: StudyLogs, team: str) -> str:
     """The paper's slopes of a team, as a sentence; nothing where there are none to compare with."""
     found: dict[str, list[str]] = {}
-    for policy in style.ordered(logs.base.policies):
-        known = published_for(logs.base, policy)
-        for (whose, key), slope in known.slopes.items() if known else ():
-            if known and whose == team:
+    for policy in logs.policies:
+        if known := published_for(logs.base, policy):
+            for key, slope in ((k, x) for (whose, k), x in known.slopes.items() if whose == team):
                 words = f"{number(slope, describe(key).digits)} ({known.algorithm})"
                 found.setdefault(describe(key).label, []).append(words)
     rule = f" ({unlike_draws(logs)})" if unlike_draws(logs) else ""
@@ -276,7 +254,6 @@ def _published(logs: StudyLogs, team: str) -> str:
 def sections(logs: StudyLogs, fits: Fits | None = None) -> list[Section]:
     """The page's sections; `fits` where some were made already."""
     fits = fits or Fits(logs)
-    drawn = [picture(logs, fits, team) for team in teams(logs)]
     replaced = (
         "With probability ε, drawn once per step for the whole team, each of its agents takes a "
         "uniform random legal action; foragers then still take a known item beside them."
@@ -287,5 +264,6 @@ def sections(logs: StudyLogs, fits: Fits | None = None) -> list[Section]:
         f"{replaced} The steeper the other team's performance falls, the more it depends on this "
         "one."
     )
+    drawn = [picture(logs, fits, team) for team in teams(logs)]
     title = "Sensitivity to corruption"
     return [Section("corruption", title, words, [slopes_table(logs, fits)], drawn)]

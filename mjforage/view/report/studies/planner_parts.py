@@ -1,127 +1,114 @@
-"""What each part of the belief planner is worth, and what a world it does not expect costs it."""
+"""Contribution of each part of the belief planner, and its performance in unexpected worlds."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import BASELINES, COMPLETE, FAST, PARTS, ROBUST, WRONG, without
-from mjforage.view.page.figure import ReportFigure, house_style
-from mjforage.view.report.studies.compared_players import (
-    Line,
-    difference,
-    differences_table,
-    means_table,
-)
+from mjforage.view.page.figure import ReportFigure
+from mjforage.view.page.table import Table
+from mjforage.view.report.contrasts import Contrast, differences_table, means_table
+from mjforage.view.report.run_logs import Case, policy_name
+from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.forest import Subject, forest
-from mjforage.view.report.studies.study_logs import Player, StudyLogs
-from mjforage.view.report.studies.study_page import Section
-from mjforage.view.report.text_tables import policy_name
+from mjforage.view.report.studies.study_logs import StudyLogs
 
 COMPARED = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse")
 SHOWN = (*COMPARED, "cleared", "length")
-WORLDS_MET = (COMPLETE, *WRONG)
 
 
-def _planner(logs: StudyLogs, world: str) -> list[Line]:
-    """The whole planner, then with each part switched off, fast and robust."""
-    names = {without(part): f"without {part}" for part in PARTS} | {FAST: "fast", ROBUST: "robust"}
-    names, there = {"belief": "whole planner"} | names, logs.runs[COMPLETE].policies
-    return [Line(names[one], Player(COMPLETE, world, one)) for one in names if one in there]
+def _baselines(logs: StudyLogs, variant: str, world: str) -> dict[str, Case]:
+    """Greedy and the oracle, under their names."""
+    names = (policy_name(policy, logs.bounds) for policy in BASELINES)
+    cases = (logs.case(variant, world, policy) for policy in BASELINES)
+    return dict(zip(names, cases, strict=True))
 
 
-def _others(logs: StudyLogs, variant: str, world: str) -> list[Line]:
-    names = {policy: policy_name(policy, logs.bounds) for policy in BASELINES}
-    return [Line(names[policy], Player(variant, world, policy)) for policy in BASELINES]
+def _minus(name: str, title: str, contrasts: Sequence[Contrast]) -> Table:
+    return differences_table(name, title, [describe(key) for key in COMPARED], contrasts)
 
 
-def _picture(
-    logs: StudyLogs, name: str, title: str, caption: str, pairs: Sequence[tuple[Line, Line]]
-) -> ReportFigure:
+def _means(name: str, title: str, groups: dict[str, dict[str, Case]]) -> Table:
+    return means_table(name, title, [describe(key) for key in SHOWN], groups)
+
+
+def _picture(name: str, title: str, caption: str, contrasts: Sequence[Contrast]) -> ReportFigure:
+    metrics = [describe(key) for key in COMPARED]
     subjects = [
-        Subject(
-            line.head,
-            line.look,
-            {key: difference(logs, line, against, key) for key in COMPARED},
-        )
-        for line, against in pairs
+        Subject(one.head, one.case.look, {metric.key: one.gap(metric) for metric in metrics})
+        for one in contrasts
     ]
-    with house_style():
-        return forest(name, title, caption, [describe(key) for key in COMPARED], subjects)
+    return forest((name, title, caption), metrics, subjects)
 
 
 def _parts(logs: StudyLogs) -> Section:
     tables, pictures = [], []
+    names = {
+        "belief": "whole planner",
+        **{without(part): f"without {part}" for part in PARTS},
+        FAST: "fast",
+        ROBUST: "robust",
+    }
     for world in logs.worlds:
-        planner, others = _planner(logs, world), _others(logs, COMPLETE, world)
-        whole, oracle = (
-            planner[0],
-            next(line for line in others if line.player.policy in logs.bounds),
-        )
-        rest = [*planner[1:], *others]
-        means = {"": [*planner, *others]}
-        short, to_oracle = {"": (whole, rest)}, [*planner, *others[:1]]
-        end = logs.suffix(world)
+        planner = {
+            head: logs.case(COMPLETE, world, policy)
+            for policy, head in names.items()
+            if logs.plays(policy, COMPLETE)
+        }
+        others, end = _baselines(logs, COMPLETE, world), logs.suffix(world)
+        (_, whole), *parts = [*planner.items(), *others.items()]
+        _, (_, oracle) = others.items()
+        to_whole = [Contrast(head, case, whole) for head, case in parts]
+        shown = list((planner | others).items())[:-1]
+        to_oracle = [Contrast(head, case, oracle) for head, case in shown]
+        title = f"Minus the oracle, which is an upper bound{end}"
         tables += [
-            means_table(logs, f"parts-{world}", f"Means{end}", SHOWN, means),
-            differences_table(
-                logs, f"parts-whole-{world}", f"Minus the whole planner{end}", COMPARED, short
-            ),
-            differences_table(
-                logs,
-                f"parts-oracle-{world}",
-                f"Minus the oracle, which is a bound{end}",
-                COMPARED,
-                {"": (oracle, to_oracle)},
-            ),
+            _means(f"parts-{world}", f"Means{end}", {"": planner | others}),
+            _minus(f"parts-whole-{world}", f"Minus the whole planner{end}", to_whole),
+            _minus(f"parts-oracle-{world}", title, to_oracle),
         ]
-        pictures.append(
-            _picture(
-                logs,
-                f"parts-{world}",
-                f"What each part is worth{end}",
-                "Difference to the whole planner on the same episodes.",
-                [(line, whole) for line in rest],
-            )
-        )
+        title = f"Contribution of each part{end}"
+        caption = "Difference to the whole planner on the same episodes."
+        pictures.append(_picture(f"parts-{world}", title, caption, to_whole))
     words = (
         "`belief` plays with one of its parts switched off at a time (its "
-        "options). The oracle sees every item and the drift: it is a bound, not a policy."
+        "options). The oracle receives every item and the drift: it is an upper bound."
     )
-    return Section("parts", "What each part is worth", words, tables, pictures)
+    return Section("parts", "Contribution of each part", words, tables, pictures)
 
 
 def _wrong(logs: StudyLogs) -> Section:
     tables, pictures = [], []
     for world in logs.worlds:
-        means, groups, pairs = {}, {}, []
-        for variant in WORLDS_MET:
+        means, minus, drawn = {}, [], []
+        for variant in (COMPLETE, *WRONG):
             met = "expected world" if variant == COMPLETE else logs.title(variant)
-            planner = [
-                Line("belief", Player(variant, world, "belief")),
-                Line("belief, robust", Player(variant, world, ROBUST)),
-            ]
-            others = _others(logs, variant, world)
-            greedy, oracle = others
-            means[met] = [*planner, *others]
-            groups[met] = (greedy, [*planner, oracle])
-            pairs += [(Line(f"{line.head}: {met}", line.player), greedy) for line in planner]
+            planner = {
+                head: logs.case(variant, world, policy)
+                for head, policy in (("belief", "belief"), ("belief, robust", ROBUST))
+            }
+            others = _baselines(logs, variant, world)
+            (_, greedy), (oracle, bound) = others.items()
+            means[met] = planner | others
+            against = [Contrast(head, case, greedy, met) for head, case in planner.items()]
+            minus += [*against, Contrast(oracle, bound, greedy, met)]
+            drawn += [replace(one, head=f"{one.head}: {met}") for one in against]
         end = logs.suffix(world)
         tables += [
-            means_table(logs, f"wrong-{world}", f"Means in wrong worlds{end}", SHOWN, means),
-            differences_table(
-                logs, f"wrong-greedy-{world}", f"Minus greedy{end}", COMPARED, groups
-            ),
+            _means(f"wrong-{world}", f"Means in unexpected worlds{end}", means),
+            _minus(f"wrong-greedy-{world}", f"Minus greedy{end}", minus),
         ]
+        title = f"The belief planner in worlds that it does not expect{end}"
         caption = "Difference to Greedy on the same episodes."
-        title = f"The belief planner in worlds it does not expect{end}"
-        pictures.append(_picture(logs, f"wrong-{world}", title, caption, pairs))
+        pictures.append(_picture(f"wrong-{world}", title, caption, drawn))
     assumed = logs.info.scenario["prior"]
     plural = "" if assumed["hotspots"] == 1 else "s"
     words = (
         f"The planner assumes {assumed['hotspots']} hotspot{plural} and a drift of up to "
         f"{assumed['drift_node_per_step']:g} nodes per step and axis; with `robust` up to three "
-        "hotspots and twice the drift. Here the world is another one."
+        "hotspots and twice the drift. The worlds here are different."
     )
-    return Section("wrong", "Wrong worlds", words, tables, pictures)
+    return Section("wrong", "Unexpected worlds", words, tables, pictures)
 
 
 def sections(logs: StudyLogs) -> list[Section]:

@@ -1,49 +1,26 @@
-"""A study folder as its report reads it: the settings, and every variant's metrics per episode."""
+"""A study folder as its report reads it: the settings, and the logs of every variant."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import polars as pl
-from numpy.typing import NDArray
-
 from mjforage.base.errors import UserError
+from mjforage.mission.mission_metrics import Description, describe
 from mjforage.runs.costs import Cost, load_costs
-from mjforage.runs.run_info import RunInfo, again, load_run, read_json
+from mjforage.runs.run_info import RunInfo, again
 from mjforage.runs.study import StudyInfo, load_study_info, variant_folder
-from mjforage.view.report.run_logs import (
-    RunLogs,
-    Summaries,
-    Summary,
-    load_episodes,
-    load_logs,
-    parse_summary,
-    scalar,
-)
-from mjforage.view.report.text_tables import entry_of
-
-
-@dataclass(frozen=True)
-class Player:
-    """One row of a study's tables: who plays which variant in which world."""
-
-    variant: str
-    world: str
-    policy: str
+from mjforage.view.page import style
+from mjforage.view.report.run_logs import Case, RunLogs, load_logs
 
 
 @dataclass(frozen=True)
 class StudyLogs:
-    """Everything a study's report is made from."""
+    """Logs of a study."""
 
     folder: Path
     info: StudyInfo
-    runs: Mapping[str, RunInfo]  # of every variant
-    summaries: Mapping[str, Summaries]
-    episodes: Mapping[str, pl.DataFrame]
+    runs: Mapping[str, RunLogs]  # of every variant
     costs: Mapping[str, tuple[Cost, ...]]  # of every variant
 
     @property
@@ -59,13 +36,13 @@ class StudyLogs:
 
     @property
     def options(self) -> Mapping[str, Any]:
-        """What the study was told besides."""
+        """Options of the study besides those of every one."""
         return self.info.options
 
     @property
     def bounds(self) -> frozenset[str]:
-        """Policies that were shown the truth, in any variant."""
-        return frozenset(policy for run in self.runs.values() for policy in run.bounds)
+        """Policies that see the truth, in any variant."""
+        return frozenset(policy for one in self.runs.values() for policy in one.run.bounds)
 
     @property
     def first(self) -> str:
@@ -73,33 +50,45 @@ class StudyLogs:
         return next(iter(self.info.variants))
 
     @property
-    def base(self) -> RunInfo:
-        """The run of the scenario as it is."""
+    def whole(self) -> RunLogs:
+        """Logs of that variant."""
         return self.runs[self.first]
 
-    @cached_property
-    def whole(self) -> RunLogs:
-        """All logs of that run."""
-        return load_logs(variant_folder(self.folder, self.first))
+    @property
+    def base(self) -> RunInfo:
+        """The run of that variant."""
+        return self.whole.run
+
+    @property
+    def policies(self) -> tuple[str, ...]:
+        """Policies of that variant, in their fixed order."""
+        return self.whole.policies
 
     def title(self, variant: str) -> str:
         """Variant in words."""
         return self.info.variants[variant].title
 
-    def values(self, player: Player, key: str) -> NDArray[np.float64]:
-        """Return one metric per episode, NaN where undefined: (episode,)."""
-        rows = self.episodes[player.variant].filter(
-            (pl.col("world") == player.world) & (pl.col("policy") == player.policy)
-        )
-        return scalar(rows, key)
+    def case(self, variant: str, world: str, policy: str) -> Case:
+        """A policy in a world of a variant."""
+        return Case(self.runs[variant], world, policy)
 
-    def entry(self, player: Player, key: str) -> Summary:
-        """Summary of one metric."""
-        return entry_of(self.summaries[player.variant], (player.world, player.policy), key)
+    def plays(self, policy: str, variant: str) -> bool:
+        """Whether a policy plays a variant."""
+        return variant in self.runs and policy in self.runs[variant].run.policies
 
     def suffix(self, world: str) -> str:
         """The world, where there are several."""
         return f" · {world}" if len(self.worlds) > 1 else ""
+
+    def measured(self, keys: tuple[str, ...]) -> list[Description]:
+        """Those metrics that are defined in any episode of any variant."""
+        runs = self.runs.values()
+        return [describe(k) for k in keys if any(one.has(k) and one.defined(k) for one in runs)]
+
+
+def ordered_policies(logs: StudyLogs) -> tuple[str, ...]:
+    """Policies of all variants, in their fixed order."""
+    return style.ordered(policy for one in logs.runs.values() for policy in one.run.policies)
 
 
 def load_study(folder: Path) -> StudyLogs:
@@ -111,17 +100,11 @@ def load_study(folder: Path) -> StudyLogs:
         If a file of the study or of one of its runs is missing, truncated or foreign.
     """
     file = folder / "study.json"
-    info, remedy = load_study_info(file), f"{again(folder, file.name)}, it completes the folder"
+    info = load_study_info(file)
     if not (folder / "summary.json").is_file():
+        remedy = f"{again(folder, file.name)}, it completes the folder"
         raise UserError(f"{folder}: the study is not finished; {remedy}")
-    summary = read_json(folder / "summary.json")
-    runs, summaries, episodes, costs = {}, {}, {}, {}
-    for name in info.variants:
-        place = variant_folder(folder, name)
-        runs[name] = load_run(place / "run.json")
-        if name not in summary:
-            raise UserError(f"{folder / 'summary.json'}: {name} is missing; {remedy}")
-        summaries[name] = parse_summary(summary[name], str(folder / "summary.json"))
-        episodes[name] = load_episodes(place, runs[name])
-        costs[name] = load_costs(place / "costs.json")
-    return StudyLogs(folder, info, runs, summaries, episodes, costs)
+    places = {name: variant_folder(folder, name) for name in info.variants}
+    runs = {name: load_logs(place) for name, place in places.items()}
+    costs = {name: load_costs(place / "costs.json") for name, place in places.items()}
+    return StudyLogs(folder, info, runs, costs)

@@ -1,44 +1,18 @@
-"""The page of a study: sections of tables and figures, what was run, and what it took."""
+"""The page of a study: its sections, what was run, and what it took."""
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import islice
 from typing import Any
 
-from mjforage.view.page import EmbeddedFigure, embedded_within, render_page, style
-from mjforage.view.page.figure import ReportFigure, house_style
-from mjforage.view.page.table import Table
+from mjforage.view.page.figure import house_style
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.clearing import TITLE, clearing_table
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.map_figures import scenario_figure
-from mjforage.view.report.report_page import horizon_words, map_words
+from mjforage.view.report.report_page import counted, horizon_words, map_words, scenario_text
 from mjforage.view.report.run_logs import pick_replay
-from mjforage.view.report.shown import FIGURES, LARGEST, ROWS, cut
-from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
-from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.web_replay import BUDGET, WebReplay, web_replay
-
-CLEARING = "clearing"  # section of horizons, which has no differences
-ALL = "`mjforage report FOLDER --tables csv` writes all"
-FEWEST_ROWS = 20  # of a table on the page, however large the others are
-
-
-@dataclass(frozen=True)
-class Section:
-    """A part of the page. `words` may carry subscripts and code as tables do."""
-
-    name: str  # anchor
-    title: str
-    words: str = ""
-    tables: Sequence[Table] = ()
-    pictures: Sequence[ReportFigure] = ()
-    folded: Sequence[Table] = ()  # after the pictures, closed where they are long
-
-    @property
-    def numbers(self) -> Sequence[Table]:
-        """All tables."""
-        return [*self.tables, *self.folded]
+from mjforage.view.report.sections import Page, Section
+from mjforage.view.report.studies.cost import cost_table, throughput_table
+from mjforage.view.report.studies.study_logs import StudyLogs, ordered_policies
 
 
 def _option(key: str, value: Any) -> str:
@@ -48,43 +22,24 @@ def _option(key: str, value: Any) -> str:
     return f"{key.replace('_', ' ')} {value}"
 
 
-def heading(logs: StudyLogs) -> str:
-    """What is studied: the scenario, unless the variants are of several."""
-    return f"{logs.base.name}: {logs.kind}" if len(_names(logs)) == 1 else logs.kind.capitalize()
+def _distinct(words: Sequence[str], noun: str, one: str = "") -> tuple[str, str]:
+    """A term and the different ones among some words; `one` stands for a single one."""
+    found = list(dict.fromkeys(words))
+    return (noun, one or found[0]) if len(found) == 1 else (f"{noun}s", ", ".join(found))
 
 
-def _names(logs: StudyLogs) -> list[str]:
-    """Scenarios of the variants."""
-    return list(dict.fromkeys(run.name for run in logs.runs.values()))
-
-
-def maps(logs: StudyLogs) -> list[str]:
-    """Names of the maps of the variants."""
-    return list(dict.fromkeys(run.map.name for run in logs.runs.values()))
-
-
-def _what(logs: StudyLogs) -> list[tuple[str, str]]:
-    """Scenario and map, or those of all variants."""
-    names, run = _names(logs), logs.base
-    scenario = ("Scenario", run.name) if len(names) == 1 else ("Scenarios", ", ".join(names))
-    if len(maps(logs)) == 1:
-        return [scenario, ("Map", map_words(run))]
-    return [scenario, ("Maps", ", ".join(maps(logs)))]
-
-
-def facts(logs: StudyLogs) -> list[tuple[str, str]]:
+def study_facts(logs: StudyLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
-    run, info = logs.base, logs.info
-    policies = style.ordered(policy for one in logs.runs.values() for policy in one.policies)
-    options = ", ".join(_option(key, value) for key, value in logs.options.items())
+    run, info, runs = logs.base, logs.info, [one.run for one in logs.runs.values()]
     pairs = [
-        *_what(logs),
-        ("Horizon", " or ".join(dict.fromkeys(map(horizon_words, logs.runs.values())))),
+        _distinct([one.name for one in runs], "Scenario"),
+        _distinct([one.map.name for one in runs], "Map", map_words(run)),
+        ("Horizon", " or ".join(dict.fromkeys(map(horizon_words, runs)))),
         ("Worlds", ", ".join(logs.worlds)),
-        ("Policies", ", ".join(policies)),
+        ("Policies", ", ".join(ordered_policies(logs))),
         ("Variants", str(len(logs.runs))),
         ("Episodes", f"{info.episodes} for each variant, policy and world, seed {info.seed}"),
-        ("Options", options),
+        ("Options", ", ".join(_option(key, value) for key, value in logs.options.items())),
         ("Started", info.started),
         ("Commit", info.commit),
         ("Versions", ", ".join(f"{name} {number}" for name, number in run.versions.items())),
@@ -92,89 +47,50 @@ def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     return [(term, value) for term, value in pairs if value]
 
 
-def scene_sections(logs: StudyLogs) -> list[Section]:
-    """Map, starts and items of the scenario as it is; nothing where no replay was kept."""
+def opening_sections(logs: StudyLogs) -> list[Section]:
+    """What was run, the scenario as it is, and whether its map was cleared."""
+    run = Section(
+        "run", "What was run", facts=study_facts(logs), texts={"Command": logs.info.command}
+    )
     replay = pick_replay(logs.whole)
-    if replay is None:
-        return []
     with house_style():
-        return [Section("scene", "Scenario", "", (), [scenario_figure(logs.whole, replay)])]
-
-
-def clearing_section(logs: StudyLogs) -> Section:
-    """Whether the map was cleared in the scenario as it is, and what horizon would do."""
-    table = clearing_table(logs.whole)
-    words = f"Of the variant “{logs.title(logs.first)}”."
+        drawn = [scenario_figure(logs.whole, replay)] if replay else []
+    table, words = clearing_table(logs.whole), f"Of the variant “{logs.title(logs.first)}”."
     if table is None:
-        return Section(CLEARING, TITLE, f"{words} Every policy cleared the map every time.")
-    return Section(CLEARING, TITLE, words, [table])
+        words += " Every policy cleared the map every time."
+    clearing = Section("clearing", TITLE, words, [table] if table else [])
+    return [run, Section("scene", "Scenario", pictures=drawn), clearing]
 
 
-def cost_sections(logs: StudyLogs) -> list[Section]:
-    """What the study took; nothing where it was not noted."""
-    if not any(logs.costs.values()):
-        return []
-    drawn = [picture for picture in (throughput_picture(logs),) if picture is not None]
-    tables = [cost_table(logs), throughput_table(logs)]
-    return [Section("cost", "Cost and throughput", "", tables, drawn)]
+def cost_section(logs: StudyLogs) -> Section:
+    """What the study took; empty where it was not noted."""
+    name, title = "cost", "Cost and throughput"
+    tables = [cost_table(logs), throughput_table(logs)] if any(logs.costs.values()) else []
+    return Section(name, title, tables=tables)
 
 
-def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -> str:
-    """Set the page as HTML, below 5 MB, and save its figures in the study's folder.
-
-    Tables have fewer rows where they leave no room for figures, and say so.
-    """
-    rows = ROWS
-    room = LARGEST - len(_set(logs, sections, notes, rows))
-    while room < FIGURES and rows > FEWEST_ROWS:
-        rows //= 2
-        room = LARGEST - len(_set(logs, sections, notes, rows))
-    pictures = [picture for section in sections for picture in section.pictures]
-    figures = embedded_within(min(FIGURES, room), pictures, logs.folder)
-    left = room - sum(len(figure.source) for figure in figures)
-    replay = web_replay({"": logs.whole.folder}, min(BUDGET, left))
-    return _set(logs, sections, notes, rows, figures, replay)
+def settings_section(logs: StudyLogs) -> Section:
+    """Folders of the variants, and the scenario that they vary."""
+    rows = tuple(
+        Row(f"variants/{name}", (logs.title(name), ", ".join(one.run.policies)))
+        for name, one in logs.runs.items()
+    )
+    title = "Variants, each a run folder"
+    folders = Table("variants", title, ("title", "policies"), rows, head="folder", wordy=True)
+    tree = scenario_text(logs.info.scenario)
+    details = {"Scenario of the first variant, which the others vary (JSON)": tree}
+    return Section("settings", "Settings in full", folded=[folders], details=details)
 
 
-def _set(
-    logs: StudyLogs,
-    sections: Sequence[Section],
-    notes: Sequence[str],
-    rows: int,
-    figures: Sequence[EmbeddedFigure] = (),
-    replay: WebReplay | None = None,
-) -> str:
-    """The page with at most so many rows in a table, and the figures of all sections in turn."""
-    parts: list[dict[str, Any]] = []
-    drawn = iter(figures)
-    for section in sections:
-        shown = list(islice(drawn, len(section.pictures)))
-        parts.append(
-            {
-                "name": section.name,
-                "title": section.title,
-                "words": section.words,
-                "tables": [cut(table, rows, ALL) for table in section.tables],
-                "folded": [cut(table, rows, ALL) for table in section.folded],
-                "wide": [figure for figure in shown if figure.wide],
-                "narrow": [figure for figure in shown if not figure.wide],
-            }
-        )
-    content: dict[str, Any] = {
-        "logs": logs,
-        "heading": heading(logs),
-        "maps": maps(logs),
-        "facts": facts(logs),
-        "variants": [
-            (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
-        ],
-        "sections": parts,
-        "replay": replay,
-        "few": too_few(logs.info.episodes),
-        "first_with_numbers": next(
-            (one["name"] for one in parts if one["tables"] and one["name"] != CLEARING), ""
-        ),
-        "notes": notes,
-        "scenario_json": json.dumps(logs.info.scenario, indent=2, ensure_ascii=False),
-    }
-    return render_page("study.html.j2", logs.base.versions.get("mjforage", ""), content)
+def study_page(logs: StudyLogs, sections: Sequence[Section]) -> Page:
+    """The page of these sections."""
+    runs = [one.run for one in logs.runs.values()]
+    names = list(dict.fromkeys(run.name for run in runs))
+    heading = f"{names[0]}: {logs.kind}" if len(names) == 1 else logs.kind.capitalize()
+    worlds = f"world{'s' if len(logs.worlds) > 1 else ''} {', '.join(logs.worlds)}"
+    maps = " ".join(_distinct([run.map.name for run in runs], "map"))
+    played = f"{counted(len(runs), 'variant')}, {counted(logs.info.episodes, 'episode')} each"
+    few = too_few(logs.info.episodes)
+    lead = " ".join(filter(None, (f"{played}, {worlds}, {maps}.", few)))
+    shown = [one for one in sections if not one.empty]
+    return Page(heading, lead, shown, logs.base.versions.get("mjforage", ""), "study")

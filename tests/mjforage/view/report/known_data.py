@@ -116,19 +116,12 @@ def known_study(
     **options: object,
 ) -> StudyLogs:
     """The logs of a study, as if loaded from its folder; there is none."""
-    runs = {name: _run(means, scenario, bounds) for name, means in variants.items()}
-    told = {n: VariantInfo(f"is {n}", run.policies) for n, run in runs.items()}
-    worlds = tuple(dict.fromkeys(world for run in runs.values() for world in run.worlds))
+    runs = {name: known_run(means, scenario, bounds) for name, means in variants.items()}
+    told = {n: VariantInfo(f"is {n}", logs.run.policies) for n, logs in runs.items()}
+    worlds = tuple(dict.fromkeys(world for one in runs.values() for world in one.run.worlds))
     tree = _facts(scenario)["scenario"]
     info = StudyInfo("", "", kind, tree, told, worlds, EPISODES, 0, options)
-    return StudyLogs(
-        Path("made-up"),
-        info,
-        runs,
-        {name: _summary(means) for name, means in variants.items()},
-        {name: _episodes(means) for name, means in variants.items()},
-        costs or dict.fromkeys(variants, ()),
-    )
+    return StudyLogs(Path("made-up"), info, runs, costs or dict.fromkeys(variants, ()))
 
 
 def cells(table: Table | None) -> dict[tuple[str, str], tuple[str, ...]]:

@@ -58,24 +58,28 @@ def made_up_study(
 
 def with_values(logs: StudyLogs, values: Values) -> StudyLogs:
     """The study with other values of some metrics, and their summaries."""
-    tables, summaries = dict(logs.episodes), dict(logs.summaries)
+    runs = dict(logs.runs)
     for (variant, policy, key), numbers in values.items():
-        table = tables[variant].sort("policy", "episode")
+        run = runs[variant]
+        table = run.episodes.sort("policy", "episode")
         if key not in table.columns:
             table = table.with_columns(pl.lit(None, pl.Float64).alias(key))
         changed = table[key].to_numpy().copy()
         changed[(table["policy"] == policy).to_numpy()] = numbers
-        tables[variant] = table.with_columns(pl.Series(key, changed).fill_nan(None))
         found = summarise(numbers, 0)
-        mean, sem, low, high, iqm = (
-            float(one) for one in (found.mean, found.sem, found.low, found.high, found.iqm)
+        ends = found.mean, found.sem, found.low, found.high, found.iqm
+        mean, sem, low, high, iqm = map(float, ends)
+        one = {key: Summary(mean, sem, low, high, iqm, int(found.n))}
+        own = run.summary["graph"]
+        runs[variant] = replace(
+            run,
+            episodes=table.with_columns(pl.Series(key, changed).fill_nan(None)),
+            summary={"graph": own | {policy: own[policy] | one}},
         )
-        one = Summary(mean, sem, low, high, iqm, int(found.n))
-        metrics = summaries[variant]["graph"][policy] | {key: one}
-        summaries[variant] = {"graph": summaries[variant]["graph"] | {policy: metrics}}
-    return replace(logs, episodes=tables, summaries=summaries)
+    return replace(logs, runs=runs)
 
 
 def without(logs: StudyLogs, key: str) -> StudyLogs:
     """The study as if it had been made without a metric."""
-    return replace(logs, episodes={n: table.drop(key) for n, table in logs.episodes.items()})
+    runs = {n: replace(run, episodes=run.episodes.drop(key)) for n, run in logs.runs.items()}
+    return replace(logs, runs=runs)

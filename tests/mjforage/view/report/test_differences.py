@@ -9,7 +9,7 @@ import pytest
 
 from mjforage.metrics import Interval
 from mjforage.mission.mission_metrics import describe
-from mjforage.view.report.all_tables import draw_tables
+from mjforage.view.report import write_report
 from mjforage.view.report.differences import (
     LEVEL,
     MANY,
@@ -21,7 +21,6 @@ from mjforage.view.report.differences import (
     set_apart,
 )
 from mjforage.view.report.policy_pairs import comparison_table
-from mjforage.view.report.report_page import ReportPage
 from mjforage.view.report.run_logs import load_logs
 
 NOTE = "Intervals from fewer than 10 episodes are too narrow: no difference is bold."
@@ -55,15 +54,15 @@ def test_what_is_undefined_is_no_test() -> None:
     assert p_text(np.nan) == "–"
 
 
+@pytest.mark.usefixtures("unprinted")
 @pytest.mark.parametrize(("episodes", "few"), [(3, True), (12, False)])
 def test_a_page_of_few_episodes_says_so_and_has_no_bold_interval(
     make_run: Callable[..., Path], episodes: int, few: bool
 ) -> None:
-    logs = load_logs(make_run(episodes=episodes))
-    table = comparison_table(logs)
+    folder = make_run(episodes=episodes)
+    table = comparison_table(load_logs(folder))
     assert table is not None
-    page = ReportPage(logs, logs, draw_tables(logs, logs)).text(())
-    assert (page.count(NOTE) == 1) is few
+    assert (write_report(folder).read_text("utf-8").count(NOTE) == 1) is few
     assert any(row.best for row in table.rows) is not few
 
 
@@ -86,12 +85,12 @@ def found(low: float, value: float, high: float, key: str = "gini_foragers") -> 
 def test_a_difference_has_the_digits_that_its_interval_needs(
     low: float, value: float, high: float, cell: str
 ) -> None:
-    assert found(low, value, high).cell == cell
+    assert found(low, value, high).cell().text == cell
 
 
 def test_nothing_is_set_apart_whose_printed_interval_reaches_zero() -> None:
     clear, touching, below = (found(low, 0.5, 1.0) for low in (0.01, 0.004, -0.1))
-    assert touching.interval.startswith("0.00 to")
+    assert touching.cells(0.5, best=False)[1].text.startswith("0.00 to")
     assert set_apart([clear, touching, below]) == [True, False, False]
     assert "where the interval leaves out 0" in family_note([clear])
 

@@ -12,9 +12,9 @@ from mjforage.base.errors import UserError
 from mjforage.mission.mission_metrics import describe
 from mjforage.view.page.figure import ReportFigure
 from mjforage.view.report import Exports, write_report
-from mjforage.view.report.all_figures import draw_figures
 from mjforage.view.report.best_marks import best_of
-from mjforage.view.report.run_logs import RunLogs, load_logs
+from mjforage.view.report.report_page import draw_figures
+from mjforage.view.report.run_logs import Case, RunLogs, load_logs
 from tests.mjforage.view.report.made_up_episodes import Plan
 from tests.mjforage.view.report.made_up_runs import build
 
@@ -96,7 +96,9 @@ def test_bold_are_the_best_and_those_not_told_apart_from_it(make_run: MakeRun) -
         [w + 0.3 for w in wobble],
     )
     logs = logs_with(folder, {"greedy": best, "levy": alike, "random": worse})
-    assert best_of(logs, describe("nt90")) == {("graph", "greedy"), ("graph", "levy")}
+    assert best_of(logs, describe("nt90")) == {
+        Case(logs, "graph", who) for who in ("greedy", "levy")
+    }
 
 
 def test_none_is_bold_where_all_are_alike_or_episodes_are_few(make_run: MakeRun) -> None:

@@ -12,17 +12,17 @@ from matplotlib.collections import PathCollection
 from mjforage.base.errors import UserError
 from mjforage.metrics import paired_difference
 from mjforage.mission.mission_metrics import describe
-from mjforage.runs.parquet import collected
 from mjforage.view.page import Row, Table, embedded_within
 from mjforage.view.page.figure import ReportFigure, canvas
-from mjforage.view.report import step_means, write_report
-from mjforage.view.report.all_tables import draw_tables
+from mjforage.view.report import write_report
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.differences import MANY, NORMAL, SEED, Difference, family_note
 from mjforage.view.report.distributions import DOTS, distribution_figures
+from mjforage.view.report.report_page import draw_tables
 from mjforage.view.report.run_logs import TRACK_STEPS, load_logs
-from mjforage.view.report.shown import BEST, PAIRS, ROWS, WORST, cut, only, shown_policies
-from mjforage.view.report.step_means import COUNT, POINTS, STD, STEP, read_means
+from mjforage.view.report.sections import ROWS, cut
+from mjforage.view.report.shown import BEST, PAIRS, WORST, only, shown_policies
+from mjforage.view.report.step_means import POINTS
 from mjforage.view.report.track_figure import tracks_figure
 from mjforage.view.report.web_replay import web_replay
 from tests.mjforage.conftest import Command
@@ -49,10 +49,10 @@ def test_of_200_policies_the_best_and_the_worst_are_shown(many: Path) -> None:
     assert shown_policies(logs, names(7, 3)) == names(3, 7)
     shown = only(logs, chosen)
     tables = draw_tables(logs, shown)
-    assert len(tables.headline.rows) == 200
-    assert tables.paired is not None
-    assert {row.group.count("policy-") for row in tables.paired.rows} == {2}
-    assert len({row.group for row in tables.paired.rows}) == 12 * 11 // 2 <= PAIRS
+    (headline,), (paired,) = tables["headline"], tables["paired"]
+    assert len(headline.rows) == 200
+    assert {row.group.count("policy-") for row in paired.rows} == {2}
+    assert len({row.group for row in paired.rows}) == 12 * 11 // 2 <= PAIRS
     assert len(tracks_figure(shown).figure.axes) <= 15
     for picture in time_figures(shown):
         for axes in picture.figure.axes:
@@ -100,29 +100,6 @@ def test_a_usual_run_leaves_nothing_out(make_run: MakeRun) -> None:
     assert only(logs, shown_policies(logs)) is logs
     page = write_report(folder).read_text()
     assert "evenly" not in page and "shows others" not in page and "left out:" not in page
-
-
-def test_courses_of_many_episodes_are_read_block_by_block_and_come_out_the_same(
-    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    folder = of_episodes(make_run(episodes=10, horizon=4), 2000)
-    path, run = folder / "steps.parquet", load_logs(folder).run
-    at_once, held = read_means(path, run), []
-
-    def noted(path: Path, frame: pl.LazyFrame, remedy: str = "") -> pl.DataFrame:
-        held.append(collected(path, frame, remedy))
-        return held[-1]
-
-    monkeypatch.setattr(step_means, "collected", noted)
-    monkeypatch.setattr(step_means, "BLOCK", 700)
-    by_block = read_means(path, run)
-    assert max(frame.height for frame in held) <= 700 < 2000 * 5 * 2 / 10
-    assert by_block.select(*STEP).equals(at_once.select(*STEP))
-    for column in at_once.columns[len(STEP) :]:
-        ours, theirs = (one[column].cast(float).to_numpy() for one in (by_block, at_once))
-        np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12, err_msg=column)
-    assert at_once["pta_c" + COUNT].unique().to_list() == [2000]
-    assert (at_once["pta_c" + STD] > 0.0).any()
 
 
 def test_of_many_episodes_so_many_points_are_drawn(make_run: MakeRun) -> None:
@@ -180,7 +157,7 @@ def test_the_largest_figures_become_pictures_until_all_have_room(tmp_path: Path)
 def test_a_table_too_long_for_a_page_is_cut_and_says_so() -> None:
     rows = tuple(Row(str(i), ("1",)) for i in range(ROWS + 1))
     table = cut(Table("long", "Long", ("one",), rows))
-    assert table is not None and len(table.rows) == ROWS
+    assert len(table.rows) == ROWS
     assert table.notes == ("The first 3000 of 3001 rows; the files in `tables/` have all.",)
 
 

@@ -7,8 +7,9 @@ import numpy as np
 
 from mjforage.view.page.figure import ReportFigure, canvas, house_style
 from mjforage.view.page.table import Number, Row, Table
+from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import write_study_report
-from mjforage.view.report.studies.study_page import Section, render
+from mjforage.view.report.studies.study_page import study_page
 from tests.mjforage.view.report.made_up_study import made_up_study
 
 FIVE_MB = 5_000_000
@@ -37,9 +38,9 @@ def test_tables_make_room_for_figures_and_figures_for_the_page(tmp_path: Path) -
         Section(f"s{k}", f"Section {k}", "", [table(f"t{k}", 2500)], [noisy(f"p{k}")])
         for k in range(6)
     ]
-    text = render(logs, sections, ["a note"])
+    text = study_page(logs, sections).text(tmp_path, lambda room: None)
     assert len(text.encode()) < FIVE_MB
-    assert text.count("of 2500 rows; <code>mjforage report FOLDER --tables csv</code> writes") == 6
+    assert text.count("of 2500 rows; the files in <code>tables/</code> have all") == 6
     assert text.count("<figure") >= 6
 
 
@@ -47,7 +48,7 @@ def test_a_usual_study_leaves_nothing_out(tmp_path: Path) -> None:
     courses = {f"bay-{k}": ("greedy", "levy") for k in range(4)}
     made_up_study(tmp_path, courses, 3, "board")
     text = write_study_report(tmp_path).read_text("utf-8")
-    assert "rows; <code>mjforage report" not in text
+    assert "rows; the files in" not in text
 
 
 def test_a_board_of_many_courses_and_policies(tmp_path: Path) -> None:

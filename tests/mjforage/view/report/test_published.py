@@ -43,7 +43,7 @@ def test_only_an_unchanged_mission_on_a_map_of_the_same_size_is_comparable(
 def test_its_contributions_follow_from_its_ablations(policy: str, team: str) -> None:
     paper = PAPER[policy]
     for key, value in paper.contribution[team].items():
-        full, without = paper.printed[key], paper.ablated[team][key]
+        full, without = paper.printed.mean[key], paper.ablated[team][key]
         better = describe(key).better > 0
         again = float(marginal_contribution(full, without, higher_is_better=better))
         assert again == pytest.approx(value, abs=1e-4), key

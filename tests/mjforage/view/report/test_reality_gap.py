@@ -12,7 +12,7 @@ from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.hull_tables import hulls_table
-from mjforage.view.report.reality_gap import gap_table, ladder_table
+from mjforage.view.report.reality_gap import gap_table, levels_table
 from mjforage.view.report.run_logs import RunLogs, load_logs
 from tests.mjforage.view.report.known_data import cells, known_run, starred, three_worlds
 
@@ -60,7 +60,7 @@ def test_a_metric_that_one_world_lacks_has_no_difference() -> None:
 
 def test_each_world_is_measured_against_the_one_below() -> None:
     """PTA_C of greedy is 80, 60 and 50, of levy 60, 50 and 56; NT90 .5, .625, 1; .75, .5, .875."""
-    table = ladder_table(three_worlds())
+    table = levels_table(three_worlds())
     assert table is not None
     pta, nt = table.columns.index("PTA_C"), table.columns.index("NT_90")
     found = {(row.group, row.head): (starred(row)[pta], starred(row)[nt]) for row in table.rows}
@@ -116,7 +116,7 @@ def test_hulls_of_two_runs_stand_below_each_other(logs: RunLogs) -> None:
 def test_a_run_at_graph_level_has_no_gap(logs: RunLogs) -> None:
     alone = dataclasses.replace(logs, run=dataclasses.replace(logs.run, worlds=("graph",)))
     assert gap_table(alone) is None
-    assert ladder_table(alone) is None
+    assert levels_table(alone) is None
     assert hulls_table({"": alone}) is None
 
 

@@ -12,9 +12,13 @@ import polars as pl
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.view.report import run_pairs
 from mjforage.view.report.run_logs import load_logs
-from mjforage.view.report.run_pairs import paired_series, shared_episodes, write_pair
+from mjforage.view.report.run_pairs import (
+    difference_tables,
+    paired_cases,
+    shared_episodes,
+    write_pair,
+)
 from tests.mjforage.conftest import Command
 from tests.mjforage.view.report.known_data import cells, known_run
 from tests.mjforage.view.report.replay_data import MakeRun
@@ -77,18 +81,17 @@ def test_differences_point_and_are_signed_as_their_metrics_say() -> None:
             ("graph", "levy"): {"pta_c": 64.0, "nt90": 0.5},
         }
     )
-    asked = (one, two), ("one", "two"), paired_series(one, two), 10
-    brief, full = run_pairs._brief(*asked), run_pairs._full(*asked)
+    brief, full = difference_tables((one, two), ("one", "two"), 10)
     assert (brief.columns, brief.better) == (("PTA_C", "NT_90"), (1, -1))
     assert cells(brief) == {
         ("", "greedy"): ("*10.00 (10.00 to 10.00)*", "*−0.125 (−0.125 to −0.125)*"),
         ("", "levy"): ("*−4.00 (−4.00 to −4.00)*", "*0.250 (0.250 to 0.250)*"),
     }
     assert cells(full)["greedy", "NT_90"] == (
-        *("0.500", "0.625", "*−0.125*", "−0.125 to −0.125", "0.008", "10"),
+        *("0.500 ± 0.061", "0.625 ± 0.061", "*−0.125*", "−0.125 to −0.125", "0.008", "10"),
     )
     assert cells(full)["levy", "PTA_C [%]"] == (
-        *("60.00", "64.00", "*−4.00*", "−4.00 to −4.00", "0.008", "10"),
+        *("60.00 ± 1.96", "64.00 ± 1.96", "*−4.00*", "−4.00 to −4.00", "0.008", "10"),
     )
     assert [row.better for row in full.rows] == [1, -1, 1, -1]
     numbers = [[x and x.value for x in row.values][:3] for row in full.rows[:2]]
@@ -156,7 +159,8 @@ def test_items_that_lie_elsewhere_are_found_in_the_logs(make_run: MakeRun) -> No
 
 def test_like_is_paired_with_like(make_run: MakeRun) -> None:
     def pairs(one: Path, two: Path) -> list[Any]:
-        return paired_series(load_logs(one), load_logs(two))
+        found = paired_cases(load_logs(one), load_logs(two))
+        return [tuple((case.world, case.policy) for case in pair) for pair in found]
 
     both = make_run()
     assert pairs(both, make_run(worlds=("graph", "physics"))) == [

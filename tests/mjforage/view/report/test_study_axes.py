@@ -11,13 +11,15 @@ from matplotlib.lines import Line2D
 from mjforage.runs.axes import Axis, Point
 from mjforage.runs.study import variant_folder
 from mjforage.view.page.style import policy_colour
-from mjforage.view.report.studies import communication
+from mjforage.view.page.table import NOTHING
+from mjforage.view.report.studies.along_axes import (
+    reference_table,
+    series_picture,
+    tables_along,
+)
 from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure
-from mjforage.view.report.studies.axis_tables import measured, reference_table, tables_along
-from mjforage.view.report.studies.range_cost import Costs, cost_picture, cost_table
+from mjforage.view.report.studies.range_cost import Costs, cost_table
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.studies.variant_courses import courses_picture
-from mjforage.view.report.text_tables import NOTHING
 from tests.mjforage.view.report.known_data import cells, known_study
 from tests.mjforage.view.report.made_up_study import made_up_study, with_values, without
 
@@ -129,7 +131,7 @@ def test_figures_and_costs_of_a_world_are_of_that_world(two_worlds: StudyLogs) -
         assert means == [48 - 3 * lost, 72 - 1.5 * lost, 80 - lost]
         times = [float(np.ravel(dot.get_ydata())[0]) for dot in dots(list(below.lines), policy)]
         assert times == [(48 + lost) / 128, (24 + lost) / 128, (16 + lost) / 128]
-    (row, *_) = cost_table(two_worlds, "hulls", Costs(two_worlds, AXIS, "hulls")).rows
+    (row, *_) = cost_table(Costs(two_worlds, AXIS, "hulls")).rows
     assert row.values[0] == pytest.approx((-24 / 128 / 0.016,) * 3)
 
 
@@ -144,16 +146,11 @@ def test_costs_of_information_are_of_their_world_and_step() -> None:
     logs = known_study({"complete": variants["far"], **variants}, "communication")
     for world, falls in (("graph", {"greedy"}), ("hulls", {"levy"})):
         costs = Costs(logs, AXIS, world)
-        found = cells(cost_table(logs, world, costs))
+        found = cells(cost_table(costs))
         for policy in ("greedy", "levy"):
             (cell,) = found["open", policy]
             assert cell.strip("*").startswith("−15.62" if policy in falls else "0.00")
             assert (cell[0] == "*") == (policy in falls)
-        panel = cost_picture(logs, world, costs).figure.axes[0]
-        for policy in ("greedy", "levy"):
-            (dot,) = dots(list(panel.lines), policy)
-            full = dot.get_markerfacecolor() == policy_colour(policy)
-            assert full == (policy in falls)
 
 
 def test_everything_drawn_lies_inside_the_panels(logs: StudyLogs) -> None:
@@ -196,12 +193,16 @@ def test_words_below_a_figure_name_its_columns_as_their_heads_do(logs: StudyLogs
     assert drawn.caption.endswith("Values of farness are set at equal distances.")
 
 
+def measured(logs: StudyLogs, keys: tuple[str, ...]) -> list[str]:
+    return [metric.key for metric in logs.measured(keys)]
+
+
 def test_metrics_that_no_variant_has_are_left_out(logs: StudyLogs) -> None:
-    assert measured(logs, ("pta_c", "handover", "nonsense")) == ("pta_c", "handover")
-    assert measured(without(logs, "handover"), ("pta_c", "handover")) == ("pta_c",)
+    assert measured(logs, ("pta_c", "handover", "nonsense")) == ["pta_c", "handover"]
+    assert measured(without(logs, "handover"), ("pta_c", "handover")) == ["pta_c"]
     nowhere = {(n, who, "csr"): np.full(EPISODES, np.nan) for n in PTA for who in BOTH}
     del nowhere["walled", "levy", "csr"]  # it played no walls
-    assert measured(with_values(logs, nowhere), ("pta_c", "csr")) == ("pta_c",)
+    assert measured(with_values(logs, nowhere), ("pta_c", "csr")) == ["pta_c"]
 
 
 def test_a_reference_of_its_own_is_what_an_axis_is_compared_with(logs: StudyLogs) -> None:
@@ -226,18 +227,15 @@ def test_the_cost_of_information_is_nt90_per_kilometre(logs: StudyLogs) -> None:
     assert (found.value, found.low, found.high) == pytest.approx((-18.75,) * 3, abs=1e-9)
     assert costs.apart["greedy", step]
     assert not costs.apart["levy", step], "its variants are alike"
-    table = cost_table(logs, "graph", costs)
+    table = cost_table(costs)
     greedy = next(row for row in table.rows if row.head == "greedy" and row.group == "open")
     assert (greedy.cells, greedy.best) == (("−18.75 (−18.75 to −18.75)",), frozenset({0}))
-    panel = cost_picture(logs, "graph", costs).figure.axes[0]
-    (dot,) = dots(list(panel.lines), "greedy")
-    assert float(np.ravel(dot.get_ydata())[0]) == pytest.approx(-18.75)
 
 
 def test_courses_are_a_line_per_variant_the_best_in_ink(logs: StudyLogs) -> None:
     variants = [("near", "16 m"), ("unplayed", "?"), ("far", "32 m"), ("complete", "ideal")]
     keys = ("aoi", "nonsense")
-    drawn = courses_picture(logs, "ages", "T", "C.", variants, keys, "graph").figure
+    drawn = series_picture(logs, ("ages", "T", "C."), variants, keys, "graph").figure
     for panel in drawn.axes[:2]:
         lines = [line for line in panel.lines if np.size(line.get_ydata())]
         assert len(lines) == 3
@@ -255,33 +253,10 @@ def test_bands_of_courses_lie_about_their_means(tmp_path: Path) -> None:
     value = pl.when(pl.col("episode") % 2 == 0).then(1.0).otherwise(7.0)
     pl.read_parquet(path).with_columns(aoi=value).write_parquet(path)
     variants = [("near", "16 m"), ("complete", "ideal")]
-    drawn = courses_picture(made, "ages", "T", "C.", variants, ("aoi",), "graph")
+    drawn = series_picture(made, ("ages", "T", "C."), variants, ("aoi",), "graph")
     panel = drawn.figure.axes[0]
     band = np.asarray(panel.collections[0].get_paths()[0].vertices)
     assert (band[:, 1].min(), band[:, 1].max()) == pytest.approx((4 - 1.96, 4 + 1.96))
     line = np.asarray(panel.lines[0].get_xydata())
     assert line[:, 1].tolist() == [4.0] * 13
     assert (line[0, 0], line[-1, 0]) == (0.0, 1.0)
-
-
-def test_maps_are_shown_where_they_are_least_alike(tmp_path: Path) -> None:
-    """Step 5 of the first episode of greedy in the graph, whatever others differ by."""
-    made = made_up_study(tmp_path / "s", {"complete": BOTH}, 3)
-    path = variant_folder(made.folder, "complete") / "steps.parquet"
-    mine = (pl.col("policy") == "greedy") & (pl.col("episode") == 0)
-    most = pl.when(pl.col("step") == 5).then(2.0).otherwise(1.0)
-    value = pl.when(mine).then(most).otherwise(pl.col("step").cast(pl.Float64))
-    pl.read_parquet(path).with_columns(disagreement=value).write_parquet(path)
-    assert communication._least_alike(made.whole, ("graph", "greedy")) == 5
-    assert communication._least_alike(made.whole, ("graph", "levy")) == 12
-
-
-def test_a_study_without_the_variant_or_its_scenario_shows_no_maps(tmp_path: Path) -> None:
-    bare = made_up_study(tmp_path / "bare", {"complete": ("greedy",)}, 3)
-    assert "no variant `range-64-quays`" in communication._holders(bare).words
-    foreign = made_up_study(
-        tmp_path / "foreign", dict.fromkeys(("complete", communication.KNOWN), ("greedy",)), 3
-    )
-    section = communication._holders(foreign)
-    assert section.words.startswith("The episode cannot be played again: ")
-    assert not section.pictures

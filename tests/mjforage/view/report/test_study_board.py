@@ -10,7 +10,7 @@ from scipy import stats
 from mjforage.graph_planner.policies import policy_names
 from mjforage.runs.costs import Cost
 from mjforage.view.page.style import policy_colour, policy_styles
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import NOTHING, Row, Table
 from mjforage.view.report.studies import board as page
 from mjforage.view.report.studies.board_figures import frontier_picture, profiles_picture
 from mjforage.view.report.studies.board_page import command_of
@@ -18,20 +18,18 @@ from mjforage.view.report.studies.board_policies import given, training
 from mjforage.view.report.studies.board_scores import (
     SCORES,
     Board,
-    Cell,
     Decision,
     Standing,
     mean_ranks,
 )
 from mjforage.view.report.studies.board_tables import (
-    course_table,
     differences_table,
     iqm_table,
     overall_table,
+    task_table,
     time_cell,
 )
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.text_tables import NOTHING
 from tests.mjforage.view.report.made_up_study import made_up_study, with_values
 
 PLAYERS = ("greedy", "levy", "random", "oracle")
@@ -90,9 +88,7 @@ def test_bounds_are_not_ranked_and_means_are_over_courses_that_all_play(board: B
 def test_scores_are_0_at_random_and_1_at_the_oracle_course_by_course(board: Board) -> None:
     """Greedy: (60 - 20) / 80 = .5 and 40 / 50 = .8; NT90 (.6 - 1) / (.2 - 1) = .5 in both."""
     found = Standing.of(board)
-    assert {(c.course, c.score) for c in found.used} == {
-        (course, score) for course in PTA for score in ("pta_c", "nt90")
-    }
+    assert set(found.used) == {(course, score) for course in PTA for score in ("pta_c", "nt90")}
     greedy, levy = (found.scores[board.policies.index(name)] for name in ("greedy", "levy"))
     pta, nt = SCORES.index("pta_c"), SCORES.index("nt90")
     assert found.number(greedy[pta]).value == pytest.approx((0.5 + 0.8) / 2)
@@ -112,10 +108,10 @@ def test_a_score_in_which_the_oracle_is_no_better_than_random_is_not_normalised(
 ) -> None:
     wrong = {("bay", "oracle", "nt90"): 1.5 + 0.01 * NOISE}
     used = Standing.of(Board(with_values(made, wrong))).used
-    assert Cell("bay", "nt90") not in used
-    assert Cell("port", "nt90") in used
+    assert ("bay", "nt90") not in used
+    assert ("port", "nt90") in used
     noisy = {("port", "oracle", "pta_c"): 1.0 + 10.0 * NOISE}  # better by chance
-    assert Cell("port", "pta_c") not in Standing.of(Board(with_values(made, noisy))).used
+    assert ("port", "pta_c") not in Standing.of(Board(with_values(made, noisy))).used
 
 
 def test_ranks_are_means_over_cells_and_equals_share_theirs(made: StudyLogs) -> None:
@@ -128,10 +124,10 @@ def test_ranks_are_means_over_cells_and_equals_share_theirs(made: StudyLogs) -> 
 
 
 def test_the_best_and_those_not_told_from_it_are_marked_bounds_aside(board: Board) -> None:
-    assert board.winners(Cell("bay", "pta_c")) == {"greedy"}
-    assert board.winners(Cell("bay", "nt90")) == {"greedy", "levy"}
-    assert board.winners(Cell("bay", "csr")) == set(), "all are alike"
-    table = course_table(board, "bay")
+    assert board.winners["bay", "pta_c"] == {"greedy"}
+    assert board.winners["bay", "nt90"] == {"greedy", "levy"}
+    assert board.winners["bay", "csr"] == set(), "all are alike"
+    table = task_table(board, "bay")
     assert row(table, "greedy").best == {0, 3}
     assert row(table, "levy").best == {3}
     assert row(table, "oracle (bound)").best == frozenset()
@@ -207,7 +203,7 @@ def test_the_time_of_decisions_is_of_warm_chunks_if_there_are_any(made: StudyLog
 
 def test_times_have_three_digits_whatever_their_size() -> None:
     spent = [Decision(0.00123456), Decision(12.3456), Decision(1234.5, True), Decision(np.nan)]
-    assert [time_cell(one) for one in spent] == ["0.00123", "12.3", "≤ 1234", NOTHING]
+    assert [time_cell(one).text for one in spent] == ["0.00123", "12.3", "≤ 1234", NOTHING]
 
 
 def test_the_table_of_all_courses_has_the_best_first_and_bounds_last(board: Board) -> None:
@@ -217,8 +213,8 @@ def test_the_table_of_all_courses_has_the_best_first_and_bounds_last(board: Boar
     assert table.better == (1, 1, 1, 1, -1, -1, 0), "normalised, NT90 too is better upwards"
     place = table.columns.index("best")
     won = {one.head: one.cells[place] for one in table.rows}
-    judged = sum(bool(board.winners(cell)) for cell in board.cells)
-    here = sum(bool(board.winners(cell)) for cell in board.cells if cell.course in PTA)
+    judged = sum(bool(board.winners[cell]) for cell in board.cells)
+    here = sum(bool(board.winners[cell]) for cell in board.cells if cell[0] in PTA)
     assert here == 4
     assert won["levy"] == "2 of 4", "of the cells that it played: NT90 twice"
     assert won["greedy"].endswith(f" of {judged}")
@@ -291,8 +287,8 @@ def test_the_page_says_who_could_not_play_and_why(made: StudyLogs) -> None:
     tables = {table.name: table for section in page.sections(made) for table in section.numbers}
     (levy,) = tables["left-out"].rows
     assert (levy.head, levy.cells) == ("levy", ("far", "policy levy: no legs"))
-    assert [one.head for one in tables["courses"].rows] == ["bay", "port", "far"]
-    assert {"overall", "course-far", "iqm", "differences", "policies"} <= set(tables)
+    assert [one.head for one in tables["tasks"].rows] == ["bay", "port", "far"]
+    assert {"overall", "task-far", "iqm", "differences", "policies"} <= set(tables)
 
 
 def test_what_weights_were_given_is_what_their_readme_says() -> None:

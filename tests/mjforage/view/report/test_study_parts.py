@@ -5,9 +5,9 @@ import pytest
 
 from mjforage.runs.variants import PARTS, ROBUST, WRONG, without
 from mjforage.view.page.table import Table
+from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import planner_parts
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.studies.study_page import Section
 from tests.mjforage.view.report.known_data import Means, cells, known_study, starred
 
 WORLDS = {"graph": 0.0, "hulls": -16.0}  # what hulls take from every PTA_C

@@ -3,6 +3,7 @@
 import json
 import re
 import subprocess
+from dataclasses import replace
 from html import unescape
 from importlib import resources
 from pathlib import Path
@@ -13,7 +14,9 @@ import polars as pl
 import pytest
 from numpy.typing import NDArray
 
+from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.page import html
 from mjforage.view.report import write_report
 from mjforage.view.report.web_replay import SCRIPTS, WebReplay
@@ -250,10 +253,10 @@ def test_the_browsers_code_reads_the_same(make_run: MakeRun, world: str, frame_s
 
 def test_what_nobody_saw_is_discovered_as_it_is_collected(make_run: MakeRun) -> None:
     folder = make_run(policies=("greedy",), episodes=2)
-    items = pl.read_parquet(folder / "items.parquet")
-    assert items["t_collected"].null_count() < len(items)
-    never = pl.lit(None, pl.Int64).alias("t_discovered")
-    items.with_columns(never).write_parquet(folder / "items.parquet")
+    path = folder / "replay" / "graph-greedy-0.npz"
+    replay = Recording.load(path)
+    never = np.full(replay.item_present.shape[1], -1, np.int16)
+    write_bytes(path, replace(replay, t_discovered=never).content())
     said = answers(shown(folder), "graph", np.zeros(1))
     assert said["shares"][-1, 1] > 0.0
     assert (said["shares"][:, 0] == said["shares"][:, 1]).all()

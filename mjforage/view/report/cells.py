@@ -1,0 +1,133 @@
+"""Cells of the report's tables: their text, the number behind it, and what marks them."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+from mjforage.mission.mission_metrics import Description
+from mjforage.runs.run_info import RunInfo
+from mjforage.view.page.table import NOTHING, Number, Row, Table
+from mjforage.view.report.run_logs import Case
+
+OVER_T = frozenset({"nt50", "nt90", "dsl", "itl", "itl_level", "handover"})
+"""Metrics that are times as shares of the horizon."""
+NORMAL_95 = 1.96
+MORE_DIGITS = 2  # than a metric has, at most, where an interval is narrow
+
+
+class Cell(NamedTuple):
+    """One cell of a row."""
+
+    text: str
+    number: Number | None = None  # what it shows, unrounded; None for words
+    also: str = ""  # small print below it
+    best: bool = False  # bold
+
+
+UNDEFINED = Cell(NOTHING, Number(math.nan))
+
+
+def row(head: str, cells: Iterable[Cell], colour: str = "", **about: Any) -> Row:
+    """A row of such cells; keywords are fields of `Row`."""
+    cells = tuple(cells)
+    return Row(
+        head,
+        tuple(cell.text for cell in cells),
+        colour,
+        best=frozenset(place for place, cell in enumerate(cells) if cell.best),
+        values=tuple(cell.number for cell in cells),
+        also=tuple(cell.also for cell in cells),
+        **about,
+    )
+
+
+def metrics_table(
+    name: str,
+    title: str,
+    metrics: Sequence[Description],
+    rows: Iterable[Row],
+    notes: Sequence[str],
+    **about: Any,
+) -> Table:
+    """A table with a column per metric; keywords are fields of `Table`."""
+    return Table(
+        name,
+        title,
+        tuple(metric.label for metric in metrics),
+        tuple(rows),
+        tuple(notes),
+        **{
+            "units": tuple(metric.unit for metric in metrics),
+            "better": tuple(metric.better for metric in metrics),
+        }
+        | about,
+    )
+
+
+def number(value: float, digits: int) -> str:
+    """Fixed decimals with a true minus sign; a dash where undefined."""
+    if math.isnan(value):
+        return NOTHING
+    text = f"{value:.{digits}f}"
+    if text.startswith("-"):
+        text = text[1:] if float(text) == 0 else f"−{text[1:]}"
+    return text
+
+
+def needed_digits(half: float, usual: int) -> int:
+    """Decimals that show two digits of half an interval; `usual` where it has no width.
+
+    At most two more than usual: where all of an interval is still 0 then, so is the difference.
+    """
+    if not (math.isfinite(half) and half > 0):
+        return usual
+    return min(max(0, 1 - math.floor(math.log10(half))), usual + MORE_DIGITS)
+
+
+def number_cell(
+    value: float, digits: int, half: float = math.nan, also: str = "", best: bool = False
+) -> Cell:
+    """A number, ± half of its interval where that is known."""
+    text = number(value, digits)
+    if not math.isnan(half):
+        text += f" ± {number(half, digits)}"
+    return Cell(text, Number(value, value - half, value + half), also, best)
+
+
+def printed_row(head: str, numbers: Iterable[tuple[float | None, int]], **about: Any) -> Row:
+    """A row of published numbers, each with its digits, None where there is none."""
+    pairs = ((math.nan if value is None else value, digits) for value, digits in numbers)
+    return row(head, [number_cell(*pair) for pair in pairs], paper=True, **about)
+
+
+def span(low: float, high: float, digits: int) -> str:
+    """The ends of an interval."""
+    return f"{number(low, digits)} to {number(high, digits)}"
+
+
+def interval_cell(one: Number, digits: int) -> Cell:
+    """A number with its interval in parentheses; a dash where undefined."""
+    text = number(one.value, digits)
+    known = not math.isnan(one.value) and not math.isnan(one.low)
+    return Cell(f"{text} ({span(one.low, one.high, digits)})" if known else text, one)
+
+
+def summary_cell(case: Case, metric: Description, best: bool = False) -> Cell:
+    """Mean ± 1.96 SEM of a case, and a time in minutes below it."""
+    entry = case.summary(metric.key)
+    also = in_minutes(case.logs.run, metric, entry.mean)
+    return number_cell(entry.mean, metric.digits, NORMAL_95 * entry.sem, also, best)
+
+
+def in_minutes(run: RunInfo, metric: Description, mean: float) -> str:
+    """A mean time in minutes; nothing for what is no time, or undefined."""
+    timed = metric.key in OVER_T or metric.unit == "steps"
+    if not timed or math.isnan(mean):
+        return ""
+    steps = mean * (run.horizon if metric.key in OVER_T else 1)
+    return f"{number(minutes(run, steps), 1)} min"
+
+
+def minutes(run: RunInfo, steps: float) -> float:
+    """What so many steps of a run take."""
+    return steps * run.period_s / 60
