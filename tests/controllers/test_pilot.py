@@ -112,6 +112,16 @@ def test_who_waits_gives_way() -> None:
     assert pilot.giving_way.any()
 
 
+@pytest.mark.parametrize(("other", "gives_way"), [(1.4, True), (-1.4, False)])
+def test_who_goes_ahead_gives_way_to_what_lies_ahead(other: float, gives_way: bool) -> None:
+    pilot, active = Pilot(HELMS[:1] * 2, None, 1), np.ones(1, np.bool_)
+    pose = np.array([[[0.0, 0.0, 0.0], [other, 0.0, 0.0]]])
+    to = np.array([[[8.0, 0.0], [other, 0.0]]])
+    pilot.order(active, pose[..., :2].copy(), to, np.array([[False, True]]))
+    pilot.command(active, pose, np.array([[[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]]))
+    assert pilot.giving_way.tolist() == [[gives_way, False]]
+
+
 @pytest.mark.parametrize(("helms", "episodes", "control_s"), [([], 1, 0.1), (HELMS, 0, 0.1)])
 def test_nothing_to_steer_is_refused(helms: list[object], episodes: int, control_s: float) -> None:
     with pytest.raises(ValueError, match="pilot: "):

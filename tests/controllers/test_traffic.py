@@ -11,7 +11,7 @@ from mjforage.controllers.conflicts import NONE, Traffic, conflict, runs_aground
 from mjforage.controllers.detours import straight_on
 from mjforage.controllers.helm import HELM, PackedHelm, packed
 from mjforage.controllers.lee import UNLIMITED
-from mjforage.controllers.legs import REACTION_S
+from mjforage.controllers.legs import REACTION_S, lay_leg
 from mjforage.controllers.prediction import SAMPLE_S, SAMPLES, predict
 from mjforage.controllers.safety import limit_speeds
 from mjforage.controllers.state import STATE, VesselState
@@ -169,7 +169,46 @@ def test_a_hull_that_comes_nearer_limits_more() -> None:
     assert coming < 0.8 * still
 
 
+def test_way_is_left_for_a_hull_with_right_of_way_alone() -> None:
+    """It crosses 3 m ahead at 1 m/s and would stop before our bow, but for another second's way."""
+    ours, crosses = hull(0.0, 0.0), hull(3.0, -2.5, math.pi / 2, speed=1.0)
+    for rank, free in ((1, False), (-1, True)):  # the other's is 0
+        ours.rank = rank
+        assert (limits(ours, crosses)[0] == UNLIMITED) == free
+
+
 def test_too_near_it_may_go_away_only() -> None:
     ahead, astern = limits(hull(0.0, 0.0), hull(1.4, 0.0))
     assert ahead < 0.15
     assert astern == UNLIMITED
+
+
+def test_a_hull_beside_another_turns_by_the_size_of_that_one() -> None:
+    """A forager in the place of a scout is 5 cm nearer: it leaves less room to turn."""
+    turns = []
+    for other in (SCOUT, FORAGER):
+        beside = hull(0.0, 0.1 + 0.5 * (SCOUT.beam_m + FORAGER.beam_m))
+        fleet = np.array([hull(0.0, 0.0), beside], STATE)
+        limit_speeds(fleet, np.array([SCOUT, other], HELM), OPEN, 4.0, 0)
+        turns.append(fleet[0].most_port)
+    assert turns[1] < 0.9 * turns[0]
+
+
+def test_right_of_way_is_given_anew_in_every_decision() -> None:
+    s = hull(0.0, 0.0)
+    s.stuck = s.promoted = 1.0
+    ordered(s, SCOUT, 4.0, 0.0)
+    assert (s.stuck, s.promoted) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("drift", "way"), [((1.0, 0.0), 1.0), ((-1.0, 0.0), -1.0), ((0.0, 1.0), -1.0)]
+)
+def test_a_hull_goes_astern_to_what_lies_behind_unless_a_current_runs_against_it(
+    drift: tuple[float, float], way: float
+) -> None:
+    """A scout makes 1.5 m/s astern and 1.94 m/s ahead; the target is 4 m to the west."""
+    s = hull(0.0, 0.0)
+    s.drift_x, s.drift_y = drift
+    lay_leg(s, SCOUT, 0.0, 0.0, -4.0, 0.0, False)
+    assert s.way == way

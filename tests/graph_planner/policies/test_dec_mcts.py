@@ -35,12 +35,13 @@ def test_foragers_share_out_what_is_known() -> None:
 
 
 def test_who_was_not_heard_of_for_long_is_not_left_the_items() -> None:
-    task = task_of(lake(1, 21), foragers=foragers(2))
-    seen = observation_of(task, [(0, 10), (0, 14)], {(0, 7): 1, (0, 16): 3}, just_seen(21, 90), 90)
+    task = task_of(lake(1, 21), scouts=Role(1, 2, 4.0, False), foragers=foragers(2))
+    at, items = [(0, 0), (0, 10), (0, 14)], {(0, 7): 1, (0, 16): 3}
+    seen = observation_of(task, at, items, just_seen(21, 90), 90)
     first = preferences("dec-mcts", task, seen)[0].argmax(axis=1)
-    seen.agent_seen[0, 1] = 0
+    seen.agent_seen[0, 2] = 0
     later = preferences("dec-mcts(trust=2)", task, seen)[0].argmax(axis=1)
-    assert first.tolist() == [W, E] and later[0] == E
+    assert first[1:].tolist() == [W, E] and later[1] == E
 
 
 def test_trust_halves() -> None:

@@ -110,11 +110,12 @@ def test_an_image_with_dark_water_is_drawn_and_played(
     assert "all of its edge is water; if that is the land, give --water dark" in caplog.text
     for dark in (("--water", "dark"), ("--set", "map.water=dark")):
         assert command("maps", "chart.png", *dark).out == "chart.png: 5 x 6, 12 nodes\n"
-    outcome = command(
-        *("evaluate", "channels", "--policy", "greedy", "--episodes", 1, "--set", "horizon=3"),
-        *("--map", "chart.png", "--water", "dark"),
-    )
-    assert outcome.code == 0 and "12 nodes" in outcome.out
+    for name in ("evaluate", "compare"):
+        outcome = command(
+            *(name, "channels", "--policy", "greedy", "--episodes", 1, "--set", "horizon=3"),
+            *("--map", "chart.png", "--water", "dark"),
+        )
+        assert outcome.code == 0 and "12 nodes" in outcome.out
     assert "map comb_port: has light water" in refused("maps", "comb_port", "--water", "dark")
     assert "blue" in refused("maps", "chart.png", "--water", "blue")
 

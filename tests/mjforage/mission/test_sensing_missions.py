@@ -27,6 +27,7 @@ EYES = (
     ),
     *("prior.detection=0.7", "prior.half_range_node=3", "prior.false_rate=0.002"),
 )
+EVERYBODY = np.arange(4)
 DISK = ("link.model=disk",)
 
 
@@ -40,12 +41,14 @@ def played(setup: Setup, policy: str, episodes: tuple[int, ...] = (0, 1, 2)) -> 
     mission.reset(5, np.array(episodes))
     mission.run(create_policy(policy))
     entries, state = mission.ledger.entries, mission.state
+    each = np.split(np.arange(len(episodes)), len(episodes))
     return {
         "agent_node": state.agent_node.copy(),
         "distance": state.distance.copy(),
         "discovered": entries.t_discovered.copy(),
         "collected": entries.t_collected.copy(),
         "belief": mission.knowledge.belief.copy(),
+        "in view": np.concatenate([mission.times_seen(EVERYBODY, e) for e in each]),
     }
 
 

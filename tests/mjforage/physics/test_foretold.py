@@ -157,6 +157,8 @@ def test_moves_are_late_where_they_take_longer_than_a_decision(longer_s: float, 
     overrides = ("map.pitch_m=10", "team.foragers.count=0", "team.scouts.count=1")
     lines = told(PHYSICS, *overrides, f"period_s={period_s}")
     assert ["moves will be late" in line for line in lines] == [True] * late
+    worn = told(PHYSICS, *overrides, f"period_s={period_s}", "physics.scale.thrust=0.65")
+    assert any("moves will be late" in line for line in worn)
 
 
 def way(vessel: Vessel, step_s: float, seed: int) -> NDArray[np.float64]:

@@ -116,6 +116,13 @@ def test_a_current_carries_an_item_where_it_flows_to(direction: str) -> None:
     np.testing.assert_array_equal(played("graph", weather).state.item_rc[0, 0], ITEM)
 
 
+def test_what_is_told_of_a_current_that_wanders_is_that_of_the_decision_to_come() -> None:
+    weather = replace(CALM, current_speed_mps=0.05, current_wander_mps=0.2)
+    now, then = (played("physics", weather, decisions=count) for count in (5, 6))
+    x, y = then.carried(16) / PITCH_M
+    np.testing.assert_allclose(now.dynamics.drift_rc(ITEM[None, None])[0, 0], (-y, x), atol=0.03)
+
+
 def test_the_noise_of_an_item_is_that_of_the_graph_in_every_decision() -> None:
     """The same draw moves its water for 4 s, and the item comes up to 0.97 of that speed."""
     weather = replace(CALM, noise_node_per_step=0.5)

@@ -103,4 +103,8 @@ def test_a_scenario_that_misses_is_played_as_it_is_too() -> None:
     found = named(own)
     assert found["own"].scenario == own
     assert differs(found["complete"].scenario, "sensors") == {"position_noise_m": 0.1}
+    assert differs(found["fov-75"].scenario, "sensors") == {
+        "position_noise_m": 0.1,
+        "fov_deg": 75.0,
+    }
     assert "own" not in named(load_scenario("comb-port", ["sensors.position_noise_m=0.1"]))

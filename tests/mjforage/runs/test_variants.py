@@ -88,6 +88,9 @@ def test_the_paper_is_its_ablations_and_corruptions(scenario: Scenario) -> None:
     found = set(named(variants.paper(scenario, BOTH, 0.25, True)))
     lesser = set(named(variants.ablation(scenario, BOTH)))
     assert found == lesser | set(named(variants.corruption(scenario, BOTH, 0.25, True)))
+    corrupted = replace(scenario, corruption=CorruptionChoice("scouts", 0.5))
+    plain, other = (variants.paper(each, BOTH, 0.25, True) for each in (scenario, corrupted))
+    assert other == plain, "nobody is corrupted but as the study says"
 
 
 def test_every_variant_is_a_valid_scenario(scenario: Scenario) -> None:

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.base.randomness import UInt64Array
+from mjforage.base.randomness import UInt64Array, episode_keys
 from mjforage.graph_planner.policies import policy_names
 from mjforage.mission.policy import Policy
 from mjforage.mission.task import Observation, Task
@@ -111,6 +111,13 @@ class Breaking(Good):
         raise IndexError("no such lane")
 
 
+class Superstitious(Good):
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        super().reset(task, keys)
+        if keys[0] == episode_keys(13, np.arange(1))[0]:
+            raise IndexError("not with me")
+
+
 BAD: list[tuple[type[Policy], str, str]] = [
     (Flat, "shape", r"gave float64 \(3, 9\); give floating-point numbers of shape \(row, agent, 9"),
     (
@@ -136,6 +143,11 @@ def test_a_bad_policy_is_rejected_by_its_check(
     with pytest.raises(ConformanceError, match=words) as caught:
         check_policy(policy, overrides=SHORT, episodes=3)
     assert caught.value.check == check and "\n" not in str(caught.value)
+
+
+def test_episodes_are_those_of_the_seed_given() -> None:
+    with pytest.raises(ConformanceError, match="raised IndexError: not with me"):
+        check_policy(Superstitious, overrides=SHORT, episodes=3, seed=13)
 
 
 def test_what_shows_late_in_an_episode_is_found_by_default() -> None:

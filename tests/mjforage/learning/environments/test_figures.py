@@ -64,6 +64,19 @@ def test_a_picture_is_that_of_the_film_pixel_by_pixel(played: Recording) -> None
             env.step(moves_at(played, step))
 
 
+def test_of_environments_side_by_side_each_draws_its_own_episode() -> None:
+    setup, last = Setup.of(load_scenario("comb-port", SHORT)), 10
+    films = [replace(record(setup, "graph", "greedy", seed, 0), policy="") for seed in (5, 6)]
+    envs = gymnasium.make_vec(
+        "mjforage/Foraging-v0", num_envs=2, set=SHORT, render_mode="rgb_array"
+    )
+    envs.reset(seed=5)
+    for step in range(last):
+        envs.step(np.stack([moves_at(film, step) for film in films]))
+    for film, drawn in zip(films, envs.render() or (), strict=True):
+        assert np.array_equal(drawn, TopView(until(film, last), LONG_SIDE).frame(float(last)))
+
+
 def test_the_background_is_painted_once_however_many_pictures() -> None:
     env = gymnasium.make("mjforage/Foraging-v0", set=SHORT, render_mode="rgb_array")
     many = gymnasium.make_vec(

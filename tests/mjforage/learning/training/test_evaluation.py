@@ -1,6 +1,7 @@
 """Evaluations on other scenarios than a run's first: who shares the episodes, resuming, errors."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -36,14 +37,16 @@ def settings(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), TINY | changes)
 
 
-def test_maps_share_the_episodes() -> None:
+@pytest.mark.parametrize("world", ["graph", "hulls"])
+def test_maps_share_the_episodes(world: str) -> None:
     """Episode i is on map i modulo their number: 3 of 5 on the first, 2 on the second."""
     pair = [scenario(), on("harbour:combs:901")]
-    found = Evaluation(pair, EnvironmentOptions, 5).scores(create_policy("greedy"))
+    options = partial(EnvironmentOptions, world=world)
+    found = Evaluation(pair, options, 5).scores(create_policy("greedy"))
     values: list[float] = []
     variances = []
     for each, numbers in zip(pair, ([0, 2, 4], [1, 3]), strict=True):
-        mission = create_mission(Setup.of(each), "graph")
+        mission = create_mission(Setup.of(each), world)
         mission.reset(HELD_OUT, np.array(numbers))
         scorer = Scorer(mission, [METRICS.find("pta_d")])
         mission.run(create_policy("greedy"), (scorer,))

@@ -19,6 +19,8 @@ from mjforage.mission.link.propagation import (
     two_ray_loss_db,
     walls_between,
 )
+from mjforage.mission.link.reach import reach_m
+from mjforage.scenario.scenario import Link
 
 WIFI_HZ = 2.4e9
 
@@ -36,6 +38,14 @@ def test_two_rays_cross_over_and_fall_by_the_fourth_power() -> None:
     for far in (2e3, 2e4):
         plane_earth = 40.0 * math.log10(far) - 20.0 * math.log10(0.5 * 2.0)
         assert two_ray_loss_db(far, 0.5, 2.0, WIFI_HZ) == pytest.approx(plane_earth, abs=0.01)
+
+
+def test_planners_reckon_with_the_lowest_two_antennas() -> None:
+    """Far off the reach goes with the root of the product of both heights."""
+    link, heights = Link(model="two-ray"), ((0.3, 0.3), (1.2, 0.3, 2.7, 0.3), (2.7, 1.2, 0.3))
+    low, mixed, farther = (reach_m(link, np.array(each)) for each in heights)
+    assert mixed == low > 10.0 * crossover_m(0.3, 0.3, link.frequency_hz)
+    assert farther == pytest.approx(2.0 * low, rel=0.01)
 
 
 def test_without_an_echo_two_rays_are_free_space() -> None:

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -85,6 +86,19 @@ def test_a_place_is_told_from_the_pose_that_the_hull_measures() -> None:
     sight_items(camera_of(EXACT, 1, 0), key, 0, 1, HULLS, measured, xy, np.zeros(1, np.int32), out)
     ahead = 2.0 * np.array([-np.sin(YAW), np.cos(YAW)])
     np.testing.assert_allclose(out[1, 0], measured[1, :2] + ahead, atol=1e-12)
+
+
+def test_hulls_hand_cameras_their_true_pose_and_the_one_that_they_measure() -> None:
+    """They see the items as far off as they are, and take them to be as far off as themselves."""
+    frames = ("camera_noise_m=1e-6", "camera_range_noise_per_m=0", "camera_latency_s=0")
+    view = ("camera_fov_deg=360", "camera_range_m=100")
+    setup = setup_of("comb-port-weather", *(f"sensors.{each}" for each in (*frames, *view)))
+    mission, off = create_mission(setup, "physics"), np.array([0.5, -0.25, 0.0])
+    mission.reset(0, np.arange(1))
+    dynamics: Any = mission._dynamics
+    dynamics._look(np.ones(1, np.bool_), dynamics._motion.pose + off)
+    wrong = (dynamics._known() - dynamics._simulation.item_xy[:, None]).reshape(-1, 2)
+    np.testing.assert_allclose(np.nanmedian(wrong, axis=0), off[:2], atol=1e-4)
 
 
 @pytest.mark.parametrize("key", ["camera_period_s", "camera_latency_s"])

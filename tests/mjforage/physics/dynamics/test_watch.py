@@ -74,6 +74,9 @@ def test_slow_for_two_seconds_without_a_break_and_for_a_reason_is_blocked() -> N
     assert outcome(seen) == LATE
     noted(seen, 1, speed=0.09, giving_way=True)
     assert outcome(seen) == BLOCKED
+    seen.begin(ON)
+    noted(seen, 19, giving_way=True)
+    assert outcome(seen) == LATE, "every period counts its own"
 
 
 def test_contact_is_a_reason_and_counts_once_per_touch() -> None:

@@ -10,7 +10,7 @@ import pytest
 from mjforage.base.errors import UserError
 from mjforage.physics.callback.model_layout import HEADER, MAGIC
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
-from mjforage.physics.scene import build_scene, check_passages
+from mjforage.physics.scene import build_scene, check_passages, with_bodies
 from mjforage.physics.vessels import load_vessel
 from mjforage.scenario.assets import models_folder
 from mjforage.scenario.maps import load_map
@@ -46,6 +46,15 @@ def test_inertia_comes_from_the_parameters(name: str) -> None:
     assert about_midships == pytest.approx(vessel.inertia_z_kgm2, rel=1e-9)
     size = model.geom(f"{name}_0/collider").size
     assert size[:2].tolist() == [0.5 * vessel.length_m, 0.5 * vessel.beam_m]
+
+
+def test_more_bodies_for_items_leave_quays_where_they_are() -> None:
+    scene = build_scene([SCOUT], navigable=PORT, pitch_m=5.0, items=2)
+    grown = with_bodies(scene, 4)
+    assert (grown.items, grown.pitch_m) == (4, 5.0)
+    np.testing.assert_array_equal(
+        *(one.model.geom_pos[one.model.geom_bodyid == 0] for one in (scene, grown))
+    )
 
 
 def test_water_and_quays_are_where_the_map_has_them(model: mujoco.MjModel) -> None:

@@ -133,7 +133,7 @@ def test_instability_names_seed_time_and_body(
     simulation.step(10)
     spoil(simulation)
     with pytest.raises(InstabilityError, match=rf"seed 22, t = 1.00 s, body wild \({label}\)"):
-        simulation.step(10)
+        simulation.step(10, np.array([1, 2]))  # the first one is over
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr().out == ""
 

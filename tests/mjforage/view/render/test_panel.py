@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 
 from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import map_film, palette
+from mjforage.view.render.film_frame import FilmFrame
 from mjforage.view.render.layout import Box, frame_layout
 from mjforage.view.render.panel import (
     PanelState,
@@ -85,6 +87,17 @@ def test_one_line_tells_the_same_and_has_a_compass(known: Recording, said: list[
     image = map_film([known], (480, 200)).frame(5.5)
     assert said == ["greedy   00:55   PTA_D 70 %   PTA_C 40 %"]
     assert image[:23, 450:].max() > 250
+
+
+def test_the_chart_of_a_panel_marks_whom_the_camera_follows(recording: Recording) -> None:
+    size, frames = (1280, 720), []
+    layout = frame_layout(*size, 1, None, 4, charted=True)
+    for agent in (None, 2):
+        view = MagicMock(followed=agent)
+        view.picture.return_value = np.zeros((8, 8, 3), np.uint8)
+        view.state.return_value = PanelState()
+        frames.append(FilmFrame([recording], [view], size, layout, drawn=False).frame(3.0))
+    assert (frames[0] != frames[1]).any()
 
 
 def test_signs_look_as_on_the_map(recording: Recording, said: list[str]) -> None:

@@ -1,10 +1,12 @@
 from collections.abc import Callable
+from unittest.mock import MagicMock
 
 import mujoco
 import numpy as np
 import pytest
 
 from mjforage.base.errors import UserError
+from mjforage.cli.drawing import view
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.scenario_file import load_scenario
@@ -47,6 +49,21 @@ def test_bodies_are_put_where_the_track_says(recording: Recording) -> None:
         np.testing.assert_allclose(body.xmat[[0, 3]], [np.cos(pose[2]), np.sin(pose[2])], atol=1e-9)
     np.testing.assert_allclose(data.body("item-0/item").xpos[:2], items[0, :2], atol=1e-9)
     np.testing.assert_allclose(data.body("item-2/item").xpos[:2], scene.parking[2], atol=1e-9)
+
+
+def test_a_window_shows_the_episode_of_the_seed_that_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("DISPLAY", ":0")
+    window, shown = MagicMock(), []
+    window.is_running.return_value = False
+    launched = lambda model, data, **ui: shown.append(data.qpos.copy()) or window  # noqa: E731
+    monkeypatch.setattr("mujoco.viewer.launch_passive", launched)
+    view("comb-port", seed=5, episode=2)
+    scene, hulls, items = start_of(Setup.of(load_scenario("comb-port")), 5, 2)
+    data = mujoco.MjData(scene.model)
+    put(scene, data, hulls, items)
+    np.testing.assert_array_equal(shown[0], data.qpos)
 
 
 def test_a_scenario_starts_where_its_episode_does() -> None:

@@ -65,3 +65,5 @@ def test_outcomes_speeds_touches_and_energy_by_hand(make_run: Callable[..., Path
         ("energy", "kJ per item"): "2.00",
     }
     assert found["scouts"]["moves", ""] == "8"
+    first = hulls_table({"": load_logs(folder)}, episodes=1)
+    assert first is not None and first.rows[1].cells[-1] == "1.50", "3 kJ, 2 items"
