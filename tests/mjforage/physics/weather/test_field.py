@@ -100,7 +100,7 @@ def test_a_drawn_direction_is_uniform_over_the_circle(part: str) -> None:
 
 
 def test_wind_and_current_are_drawn_each_for_itself() -> None:
-    anywhere = {"wind_toward_deg": None, "current_toward_deg": None}
+    anywhere: dict[str, Any] = {"wind_toward_deg": None, "current_toward_deg": None}
     drawn = at_sea(WeatherSettings(wind_speed_mps=1.0, current_speed_mps=1.0, **anywhere), 3000)
     cosine = (drawn.mean_wind_mps * drawn.mean_current_mps).sum(axis=1)
     assert abs(cosine.mean()) < 4 * math.sqrt(0.5 / 3000)

@@ -55,15 +55,15 @@ def test_a_window_shows_the_episode_of_the_seed_that_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("DISPLAY", ":0")
-    window, shown = MagicMock(), []
+    window, launched = MagicMock(), MagicMock()
     window.is_running.return_value = False
-    launched = lambda model, data, **ui: shown.append(data.qpos.copy()) or window  # noqa: E731
+    launched.return_value = window
     monkeypatch.setattr("mujoco.viewer.launch_passive", launched)
     view("comb-port", seed=5, episode=2)
     scene, hulls, items = start_of(Setup.of(load_scenario("comb-port")), 5, 2)
     data = mujoco.MjData(scene.model)
     put(scene, data, hulls, items)
-    np.testing.assert_array_equal(shown[0], data.qpos)
+    np.testing.assert_array_equal(launched.call_args.args[1].qpos, data.qpos)
 
 
 def test_a_scenario_starts_where_its_episode_does() -> None:
