@@ -1,4 +1,4 @@
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import pytest
 
@@ -31,7 +31,7 @@ def test_every_part_of_the_planner_is_switched_off_alone(link: str) -> None:
     whole = found[variants.COMPLETE]
     assert whole.scenario == scenario
     switches = [f.name for f in fields(BeliefOptions) if f.default is True]
-    assert len(switches) == 11
+    assert len(switches) == 10
     over_links = [name for name in switches if name in variants.IN_TOUCH]
     assert over_links == ["report", "alone", "relay"]
     for name in switches:

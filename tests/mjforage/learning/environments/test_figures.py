@@ -74,7 +74,7 @@ def test_of_environments_side_by_side_each_draws_its_own_episode() -> None:
     for step in range(last):
         envs.step(np.stack([moves_at(film, step) for film in films]))
     for film, drawn in zip(films, envs.render() or (), strict=True):
-        assert np.array_equal(drawn, TopView(until(film, last), LONG_SIDE).frame(float(last)))
+        assert np.array_equal(drawn, map_film([until(film, last)], SIZE).frame(float(last)))
 
 
 def test_the_background_is_painted_once_however_many_pictures() -> None:
