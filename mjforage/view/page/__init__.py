@@ -1,6 +1,6 @@
 """One HTML page with everything inside it: what reports, studies and validation are set with."""
 
-from mjforage.view.page.html import EmbeddedFigure, embedded, embedded_within, render_page
+from mjforage.view.page.html import EmbeddedFigure, embedded_within, render_page
 from mjforage.view.page.table import Number, Row, Table, groups
 
 __all__ = [
@@ -8,7 +8,6 @@ __all__ = [
     "Number",
     "Row",
     "Table",
-    "embedded",
     "embedded_within",
     "groups",
     "render_page",

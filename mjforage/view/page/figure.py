@@ -10,10 +10,7 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
@@ -26,8 +23,6 @@ from mjforage.view.page import style
 WIDTH_IN = 5.6  # half a page of the report
 WIDE_IN = 11.2  # a whole page
 DPI = 150  # of a PNG, and of maps inside an SVG
-SVG_DPI = 72  # of an SVG's points
-PDF_DPI = 72  # of a PDF's
 COLOURS = 128  # of a PNG that is kept in a repository
 
 _WORDS = r"[A-Za-z0-9 ,.()-]+"
@@ -142,20 +137,18 @@ def svg_bytes(figure: Figure, *, as_text: bool = False) -> bytes:
     """
     metadata: dict[str, Any] = {"Date": None, "Creator": None}
     letters = {"svg.fonttype": "none"} if as_text else {}
-    paper = Paper(FigureCanvasSVG, SVG_DPI)
-    return _printed(figure, paper, letters, format="svg", metadata=metadata)
+    return _printed(figure, letters, format="svg", metadata=metadata)
 
 
 def pdf_bytes(figure: Figure) -> bytes:
     """Render to PDF without a date, its letters as text in TrueType."""
     metadata: dict[str, Any] = {"CreationDate": None, "Creator": None, "Producer": None}
-    letters, paper = {"pdf.fonttype": 42}, Paper(FigureCanvasPdf, PDF_DPI)
-    return _printed(figure, paper, letters, format="pdf", metadata=metadata)
+    return _printed(figure, {"pdf.fonttype": 42}, format="pdf", metadata=metadata)
 
 
 def png_bytes(figure: Figure) -> bytes:
     """Render to PNG at 150 dpi, without the software stamp."""
-    return _printed(figure, PIXELS, {}, format="png", metadata={"Software": None})
+    return _printed(figure, {}, format="png", metadata={"Software": None})
 
 
 def smaller(content: bytes) -> bytes:
@@ -167,43 +160,22 @@ def smaller(content: bytes) -> bytes:
     return buffer.getvalue()
 
 
-@dataclass(frozen=True)
-class Paper:
-    """What a figure is printed on: matplotlib's canvas, and its dots per inch."""
-
-    canvas: type[FigureCanvasBase]
-    dpi: int
-
-    def take(self, figure: Figure) -> FigureCanvasBase:
-        """Put the figure on it."""
-        figure.set_dpi(self.dpi)
-        return self.canvas(figure)
-
-
-PIXELS = Paper(FigureCanvasAgg, DPI)
-
-
-def _printed(figure: Figure, paper: Paper, letters: dict[Any, Any], **options: Any) -> bytes:
-    """Print a figure, laid out once for whatever it is printed on."""
-    buffer = io.BytesIO()
-    with mpl.rc_context(style.RC):
-        literal(figure)
-        _lay_out(figure)
-        with mpl.rc_context(letters):
-            paper.take(figure).print_figure(buffer, dpi=DPI, **options)
-    return buffer.getvalue()
-
-
-def _lay_out(figure: Figure) -> None:
-    """Place everything in the figure, as on `PIXELS`; what is added afterwards moves nothing.
+def _printed(figure: Figure, letters: dict[Any, Any], **options: Any) -> bytes:
+    """Print a figure, laid out once for whatever it is printed on.
 
     With a layout engine left in the figure, matplotlib would draw all of it twice.
     """
-    engine = figure.get_layout_engine()
-    if engine is not None:
-        PIXELS.take(figure)
-        engine.execute(figure)
-        figure.set_layout_engine(None)
+    buffer, engine = io.BytesIO(), figure.get_layout_engine()
+    with mpl.rc_context(style.RC):
+        literal(figure)
+        figure.set_dpi(DPI)
+        if engine is not None:
+            FigureCanvasAgg(figure)
+            engine.execute(figure)
+            figure.set_layout_engine(None)
+        with mpl.rc_context(letters):
+            figure.savefig(buffer, dpi=DPI, **options)
+    return buffer.getvalue()
 
 
 @contextmanager

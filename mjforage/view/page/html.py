@@ -19,7 +19,7 @@ from mjforage.view.page.marked_words import CODE, SUBSCRIPT
 from mjforage.view.page.table import Row, Table, groups
 from mjforage.view.page.table_files import csv_text
 
-_FOLDERS = ("page", "report", "validation")  # of templates
+_FOLDERS = ("page", "report")  # of templates
 
 
 @dataclass(frozen=True)
@@ -35,23 +35,13 @@ class EmbeddedFigure:
     height_px: int
 
 
-def embedded(picture: ReportFigure, folder: Path) -> EmbeddedFigure:
-    """Save a figure in `figures` of a folder, and embed it: curves as SVG, maps as smaller PNG.
-
-    Raises
-    ------
-    UserError
-        If a file cannot be written.
-    """
-    return embedded_within(math.inf, [picture], folder)[0]
-
-
 def embedded_within(
     budget: float, pictures: Sequence[ReportFigure], folder: Path
 ) -> list[EmbeddedFigure]:
-    """The same of several, which together have so many characters at most if they can.
+    """Save figures in `figures` of a folder, and embed them: curves as SVG, maps as smaller PNG.
 
-    The largest are embedded as PNG of few colours instead, until they fit; the files stay whole.
+    Together they have `budget` characters at most if they can: the largest are embedded as PNG of
+    few colours instead, until they fit; the files stay whole.
 
     Raises
     ------

@@ -106,41 +106,20 @@ def looking(eye: Floats, target: Floats, fov_rad: float) -> View:
 
 
 @lru_cache(maxsize=8)
-def fitted(
-    area: Area, aspect: float, *, elevation_rad: float, azimuth_rad: float, fov_rad: float
-) -> View:
-    """The nearest view of the whole area from a direction; azimuth 0 looks east, pi/2 north."""
-    flat = np.cos(elevation_rad)
-    towards = np.array(
-        [flat * np.cos(azimuth_rad), flat * np.sin(azimuth_rad), -np.sin(elevation_rad)]
-    )
-    target, near, far = area.centre, 1.0, 1e6
-    for _ in range(60):
-        middle = np.sqrt(near * far)
-        view, shift = _centred(area, aspect, target, towards, middle, fov_rad)
-        if shift is None:
-            near = middle
-        else:
-            far = middle
-    view, _ = _centred(area, aspect, target, towards, far, fov_rad)
+def fitted(area: Area, aspect: float, *, elevation_rad: float, fov_rad: float) -> View:
+    """The nearest view of the whole area towards north, so far below the horizon."""
+    towards = np.array([0.0, np.cos(elevation_rad), -np.sin(elevation_rad)])
+    distance = max(area.east - area.west, area.north - area.south) / np.tan(0.5 * fov_rad)
+    view = looking(area.centre - distance * towards, area.centre, fov_rad)
+    half = np.tan(0.5 * fov_rad)
+    for _ in range(60):  # each brings the area nearer to the middle and to the margin
+        x, y, ahead = view.project(area.corners, aspect).T
+        low, high = y.min(), y.max()
+        reach = max(np.abs(x).max(), 0.5 * (high - low))
+        back = (reach / _MARGIN - 1.0) * ahead.min()
+        up = 0.5 * (low + high) * half * ahead.mean()
+        view = View(view.eye - back * towards + up * view.up, view.forward, view.up, fov_rad)
     return view
-
-
-def _centred(
-    area: Area, aspect: float, target: Floats, towards: Floats, distance: float, fov_rad: float
-) -> tuple[View, bool | None]:
-    """A view from `distance` with the area in the middle; None beside it if it does not fit."""
-    view = looking(target - distance * towards, target, fov_rad)
-    for _ in range(8):
-        seen = view.project(area.corners, aspect)
-        if (seen[:, 2] <= 0.0).any():
-            return view, None
-        middle = 0.5 * (seen[:, :2].min(axis=0) + seen[:, :2].max(axis=0))
-        half = distance * np.tan(0.5 * fov_rad)
-        move = half * (middle[0] * aspect * view.right + middle[1] * view.up)
-        view = View(view.eye + move, view.forward, view.up, fov_rad)
-    reach = np.abs(view.project(area.corners, aspect)[:, :2]).max()
-    return view, True if reach <= _MARGIN else None
 
 
 def smoothed(track: Track, agent: int, time_s: float, sigma_s: float) -> Floats:
@@ -160,24 +139,14 @@ def _sigma_s(speed: float) -> float:
 
 def overview(about: Circumstances, time_s: float) -> View:
     """The whole harbour at rest, from the south: north is up, as on the chart."""
-    return fitted(
-        about.area,
-        about.aspect,
-        elevation_rad=np.radians(55.0),
-        azimuth_rad=0.5 * np.pi,
-        fov_rad=np.radians(28.0),
-    )
+    angles = {"elevation_rad": np.radians(55.0), "fov_rad": np.radians(28.0)}
+    return fitted(about.area, about.aspect, **angles)
 
 
 def top(about: Circumstances, time_s: float) -> View:
     """The whole harbour from high above, north up: almost without perspective."""
-    return fitted(
-        about.area,
-        about.aspect,
-        elevation_rad=np.radians(90.0),
-        azimuth_rad=np.radians(90.0),
-        fov_rad=np.radians(6.0),
-    )
+    angles = {"elevation_rad": np.radians(90.0), "fov_rad": np.radians(6.0)}
+    return fitted(about.area, about.aspect, **angles)
 
 
 def chase(about: Circumstances, time_s: float) -> View:

@@ -1,7 +1,6 @@
 """A recording seen in three dimensions through MuJoCo, at any time of the episode."""
 
 import dataclasses
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,12 +109,7 @@ class HarbourView:
     def __enter__(self) -> "HarbourView":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def picture(self, time: float) -> Image:

@@ -8,7 +8,6 @@ import ctypes
 import ctypes.util
 import logging
 import os
-from types import TracebackType
 from typing import Any
 
 import mujoco
@@ -163,12 +162,7 @@ class Canvas:
     def __enter__(self) -> "Canvas":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
 

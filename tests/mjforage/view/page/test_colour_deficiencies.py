@@ -9,7 +9,7 @@ import itertools
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
+from matplotlib.colors import Colormap, to_hex, to_rgb
 from numpy.typing import NDArray
 
 from mjforage.view.page import style
@@ -94,3 +94,23 @@ def test_every_policy_has_a_marker_of_its_own_in_every_figure() -> None:
 def test_policies_of_others_take_markers_that_are_left() -> None:
     looks = style.policy_styles(["greedy", "levy", "mine", "yours"])
     assert len({look.marker for look in looks.values()}) == 4
+
+
+def apart(one: str, other: str, eyes: str) -> float:
+    return float(np.linalg.norm(lab(one, eyes) - lab(other, eyes)))
+
+
+@pytest.mark.parametrize("eyes", EYES)
+def test_what_is_in_the_world_stays_apart(eyes: str) -> None:
+    signs = (style.SCOUT, style.FORAGER, style.ITEM_RIM, style.BELIEF, style.WATER, style.ITEM)
+    for one, other in itertools.combinations(signs, 2):
+        if {one, other} != {style.WATER, style.ITEM}:  # which the rim keeps apart
+            assert apart(one, other, eyes) > 15.0, f"{one} and {other} look alike"
+
+
+@pytest.mark.parametrize("ramp", [style.item_colours(), style.belief_colours()])
+def test_one_item_shows_on_water_and_more_are_darker(ramp: Colormap) -> None:
+    shades = [to_hex(ramp(place)) for place in (style.FIRST, 0.4, 0.7, 1.0)]
+    assert min(apart(style.WATER, shades[0], eyes) for eyes in EYES) > 15.0
+    light = [sum(to_rgb(shade)) for shade in shades]
+    assert light == sorted(light, reverse=True)

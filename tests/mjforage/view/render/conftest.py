@@ -13,7 +13,6 @@ from mjforage.view.render import film_frame, panel
 from mjforage.view.render.track import Track
 
 PITCH_M = 4.0
-RADII = (4.0, 1.0)  # scouts, foragers [node]
 
 
 def make_recording(
@@ -23,47 +22,27 @@ def make_recording(
     items: int = 40,
     agents: tuple[int, int] = (2, 2),
     seed: int = 1,
-    spread: float = 4.5,
 ) -> Recording:
-    """Simulate something that looks like an episode; agents walk straight until blocked."""
+    """Something that looks like an episode: vessels and items wander over the water."""
     rng = np.random.Generator(np.random.PCG64(seed))
-    water = np.argwhere(navigable)
+    water, grid = np.argwhere(navigable), np.indices(navigable.shape)
     collects = np.repeat([False, True], agents)
-    places = _wander(navigable, water, collects, steps, rng)
-    centre = water[rng.integers(len(water))]
-    start = _on_water(centre + spread * rng.standard_normal((items, 2)), water)
-    drift = rng.uniform(-0.08, 0.08, 2)
-    item_rc = [start]
-    for _ in range(steps):
-        moved = item_rc[-1] + drift + rng.uniform(-0.09, 0.09, start.shape)
-        item_rc.append(_on_water(moved, water))
-    shape = (steps + 1, *navigable.shape)
-    present = np.ones((steps + 1, items), np.bool_)
-    belief, idleness = np.zeros(shape, np.int16), np.zeros(shape, np.float16)
-    view = np.zeros(shape, np.uint8)
-    grid = np.indices(navigable.shape)
+    places = _wander(water, rng.integers(-1, 2, (steps + 1, len(collects), 2)), rng)
+    item_rc = _wander(water, rng.uniform(-0.2, 0.2, (steps + 1, items, 2)), rng)
+    node = np.rint(item_rc).astype(int)
+    off = np.hypot(*(grid[:, None, None] - np.moveaxis(places, 2, 0)[..., None, None]))
+    near = (off <= np.where(collects, 1.0, 4.0)[:, None, None]) & navigable
+    view = near[:, ~collects].any(axis=1) + 2 * near[:, collects].any(axis=1).astype(np.uint8)
+    hit = (node[:, :, None] == places[:, None, collects]).all(axis=3).any(axis=2)
+    present = ~np.maximum.accumulate(hit & (np.arange(steps + 1) > 0)[:, None], axis=0)
+    belief = np.zeros((steps + 1, *navigable.shape), np.int16)
+    idleness = np.where(navigable, np.ones_like(belief, np.float16), np.float16(0))
     for t in range(steps + 1):
-        for place, collector in zip(places[t], collects, strict=True):
-            distance = np.hypot(grid[0] - place[0], grid[1] - place[1])
-            near = (distance <= RADII[int(collector)]) & navigable
-            view[t][near] |= 2 if collector else 1
-        node = np.rint(item_rc[t]).astype(int)
-        if t > 0:
-            hit = (node[:, None] == places[t][collects][None]).all(axis=2).any(axis=1)
-            present[t] = present[t - 1] & ~hit
-            belief[t] = belief[t - 1]
-        count = np.zeros(navigable.shape, np.int16)
-        np.add.at(count, tuple(node[present[t]].T), 1)
-        belief[t][view[t] > 0] = count[view[t] > 0]
-        before = idleness[t - 1] + np.float16(1 / (0.9 * 150)) if t else np.float16(1)
-        idleness[t] = np.where(navigable & (view[t] == 0), np.minimum(before, 1), 0)
-    rows, item_path = navigable.shape[0], np.array(item_rc)
-    node = np.rint(item_path).astype(int)
-    in_view = view[np.arange(steps + 1)[:, None], node[..., 0], node[..., 1]] > 0
-    found = in_view | ~present  # removed unseen counts as discovered
-    t_discovered = np.where(found.any(axis=0), found.argmax(axis=0), -1).astype(np.int16)
-    pose = np.concatenate((_metres(places, rows), _yaws(places)[..., None]), axis=-1)
-    return Recording(
+        belief[t], idleness[t] = belief[t - 1], np.minimum(idleness[t - 1] + 0.008, 1) * navigable
+        np.add.at(count := np.zeros_like(belief[t]), tuple(node[t, present[t]].T), 1)
+        belief[t][view[t] > 0], idleness[t][view[t] > 0] = count[view[t] > 0], 0
+    seen = (view[np.arange(steps + 1)[:, None], node[..., 0], node[..., 1]] > 0) | ~present
+    recording = Recording(
         navigable=navigable,
         pitch_m=PITCH_M,
         horizon=max(150, steps),
@@ -71,22 +50,37 @@ def make_recording(
         team_names=("scouts", "foragers"),
         agent_team=collects.astype(np.int64),
         agent_collects=collects,
-        agent_rc=places.astype(np.float32),
-        item_rc=np.array(item_rc, np.float32),
+        agent_rc=np.zeros(0, np.float32),
+        item_rc=np.zeros(0, np.float32),
         item_present=present,
         belief=belief,
         idleness=idleness,
-        in_view=view,
+        in_view=view.astype(np.uint8),
         vessels=tuple("forager" if collector else "scout" for collector in collects),
         item_class=np.arange(items, dtype=np.int16) % 5,
         frame_s=10.0,
-        track_pose=pose.astype(np.float32),
-        track_items=_metres(item_path, rows).astype(np.float32),
+        track_pose=np.zeros(0, np.float32),
+        track_items=np.zeros(0, np.float32),
         track_present=present,
         track_wind=np.zeros((steps + 1, 2), np.float32),
         policy="greedy",
         episode=3,
-        t_discovered=t_discovered,
+        t_discovered=np.where(seen.any(axis=0), seen.argmax(axis=0), -1).astype(np.int16),
+    )
+    return placed(recording, places, item_rc)
+
+
+def _wander(
+    water: NDArray[np.int64], moves: NDArray[np.number], rng: np.random.Generator
+) -> NDArray[np.number]:
+    """(step, body, 2) places on the water near where `moves` lead from anywhere."""
+    way = water[rng.integers(len(water), size=moves.shape[1])] + np.cumsum(moves, axis=0)
+    off = np.square(way[:, :, None] - water).sum(axis=3)
+    centre = water[off.argmin(axis=2)]
+    return (
+        np.asarray(np.clip(way, centre - 0.49, centre + 0.49))
+        if moves.dtype.kind == "f"
+        else centre
     )
 
 
@@ -126,37 +120,6 @@ def _yaws(places: NDArray[np.number]) -> NDArray[np.float64]:
     return yaw
 
 
-def _on_water(rc: NDArray[np.float64], water: NDArray[np.int64]) -> NDArray[np.float64]:
-    nearest = np.argmin(np.square(rc[:, None] - water[None]).sum(axis=2), axis=1)
-    centre = water[nearest]
-    return np.asarray(np.clip(rc, centre - 0.49, centre + 0.49), np.float64)
-
-
-def _wander(
-    navigable: NDArray[np.bool_],
-    water: NDArray[np.int64],
-    collects: NDArray[np.bool_],
-    steps: int,
-    rng: np.random.Generator,
-) -> NDArray[np.int64]:
-    moves = np.array([(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)])
-    place = water[rng.integers(len(water), size=len(collects))]
-    heading = moves[rng.integers(9, size=len(collects))]
-    track = [place]
-    for _ in range(steps):
-        place = place.copy()
-        for agent, collector in enumerate(collects):
-            for _move in range(1 if collector else 2):
-                ahead = place[agent] + heading[agent]
-                inside = (ahead >= 0).all() and (ahead < navigable.shape).all()
-                if inside and navigable[tuple(ahead)] and rng.random() > 0.06:
-                    place[agent] = ahead
-                else:
-                    heading[agent] = moves[rng.integers(9)]
-        track.append(place)
-    return np.array(track)
-
-
 def track_of_poses(pose: NDArray[np.float64]) -> Track:
     """Poses (F, agent, 3) every half second, no item, still air."""
     frames = len(pose)
@@ -186,7 +149,7 @@ def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def placed(
-    recording: Recording, agents: NDArray[np.floating], items: NDArray[np.floating] | None = None
+    recording: Recording, agents: NDArray[np.number], items: NDArray[np.number] | None = None
 ) -> Recording:
     """The same episode with vessels, and items, on other ways (step, ..., 2) of nodes."""
     rows, pose = len(recording.navigable), np.zeros((*agents.shape[:2], 3), np.float32)

@@ -1,21 +1,18 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-import av
 import mujoco
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_recording import Recording
-from mjforage.view.render import palette, render_recording
+from mjforage.view.render import palette
 from mjforage.view.render.cameras import CAMERAS
 from mjforage.view.render.harbour_view import HarbourView, afloat, floating
 
@@ -159,34 +156,6 @@ def test_drawing_calls_no_physics_and_changes_no_simulation(
         view.picture(1.0)
         mujoco.set_mjcb_passive(None)
     assert alarm == []
-
-
-def test_films_series_and_pictures_are_written(
-    physics: Recording, tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    seen: list[tuple[int, int]] = []
-    options: dict[str, Any] = {"size": (128, 96), "start_s": 10.0, "fps": 2.0}
-    film = tmp_path / "film.mp4"
-    count = render_recording(
-        physics,
-        film,
-        **options,
-        duration_s=20.0,
-        speed=20.0,
-        progress=lambda done, total: seen.append((done, total)),
-    )
-    assert seen == [(1, 3), (2, 3), (3, 3)]
-    with av.open(str(film)) as file:
-        frames = [f.to_ndarray(format="rgb24") for f in file.decode(video=0)]
-    assert len(frames) == count == 3
-    assert frames[0].shape == (96, 128, 3)
-    gif, series, still = tmp_path / "a.gif", tmp_path / "b-%d.png", tmp_path / "c.png"
-    assert render_recording(physics, gif, camera="chase", **options, duration_s=10.0) == 3
-    assert render_recording(physics, series, camera="scout", **options, duration_s=10.0) == 3
-    assert render_recording(physics, still, **options) == 1
-    with PilImage.open(still) as picture:
-        assert (picture.size, picture.mode) == ((128, 96), "RGB")
-    assert len(list(tmp_path.glob("b-*.png"))) == 3
 
 
 def test_hulls_and_items_rock_a_little_around_their_places() -> None:
