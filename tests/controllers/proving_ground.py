@@ -1,12 +1,9 @@
 """The long runs behind the quick tests: `python -m tests.controllers.proving_ground`.
 
-Straight legs, legs after a corner of 90 degrees, station keeping, how fast the forager can turn,
-walks in every weather with a histogram of contact speeds, and the time that a command takes.
+Straight legs, legs after a corner of 90 degrees, station keeping, and how fast vessels can turn.
 """
 
-import argparse
 import sys
-import time
 
 import numpy as np
 
@@ -14,7 +11,6 @@ from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
-from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import (
     CALM,
     CONTROL_S,
@@ -24,7 +20,6 @@ from tests.controllers.plant import (
     cross_current,
     sail,
 )
-from tests.controllers.walks import DEFAULT, GUSTS, STRONG, Outcome, Walk, comb_port, crew
 
 WEATHERS = {
     "calm": CALM,
@@ -32,8 +27,6 @@ WEATHERS = {
     "6 m/s gusts": beam_gusts(),
     "both": beam_gusts(current=True),
 }
-EDGES_MPS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 10.0)
-NOISE = (0.3, 0.035)  # m, rad
 
 
 def say(*words: object) -> None:
@@ -90,63 +83,11 @@ def turning(name: str) -> None:
         say(f"{name:8} 180 degrees {label}: {ticks * CONTROL_S:.1f} s, {aside:.1f} m off then")
 
 
-def tell(label: str, outcome: Outcome) -> None:
-    """One walk: shares per vessel, contacts by speed."""
-    shares = " ".join(f"{100.0 * share:.2f}" for share in outcome.share)
-    counts = np.histogram(outcome.speeds.clip(0.0), EDGES_MPS)[0]
-    say(f"{label:20} {outcome.moves.sum()} moves, arrived {shares} %")
-    bins = zip(EDGES_MPS, EDGES_MPS[1:], counts.tolist(), strict=False)
-    told = ", ".join(f"{low:g}-{high:g}: {n}" for low, high, n in bins if n)
-    fastest = outcome.speeds.max(initial=0.0)
-    say(f"{'':20} contacts by normal speed [m/s]: {told or 'none'}; fastest {fastest:.2f}")
-
-
-def walks(episodes: int, periods: int) -> None:
-    """Random walks and crowds in every weather."""
-    cases: dict[str, tuple[WeatherSettings, bool, tuple[float, float]]] = {
-        "random": (DEFAULT, False, (0.0, 0.0)),
-        "crowd": (DEFAULT, True, (0.0, 0.0)),
-        "crowd, noise": (DEFAULT, True, NOISE),
-        "random, gusts": (GUSTS, False, (0.0, 0.0)),
-        "crowd, gusts": (GUSTS, True, (0.0, 0.0)),
-        "random, both": (STRONG, False, (0.0, 0.0)),
-    }
-    for label, (weather, crowded, noise) in cases.items():
-        walk = Walk(comb_port(), crew(), episodes=episodes, weather=weather, noise=noise)
-        tell(label, walk.run(periods, crowded=crowded))
-    ideal = Walk(comb_port(), [load_vessel("ideal")] * 4, episodes=episodes)
-    tell("ideal crowd", ideal.run(periods, crowded=True))
-
-
-def speed(crowded: bool) -> None:
-    """Time of a command per vessel, on states as they come up in a walk."""
-    walk, spent = Walk(comb_port(), crew(), episodes=64), []
-    inner = walk.pilot.command
-
-    def timed(*arguments: object) -> object:
-        start = time.perf_counter()
-        result = inner(*arguments)  # type: ignore[arg-type]
-        spent.append(time.perf_counter() - start)
-        return result
-
-    walk.pilot.command = timed  # type: ignore[method-assign, assignment]
-    walk.run(20, crowded=crowded)
-    each = 1e6 * np.array(spent) / (64 * 4)
-    say(f"command: {each.mean():.2f} us per vessel and tick, median {np.median(each):.2f}")
-
-
 def main() -> None:
     """Run everything and say it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--episodes", type=int, default=64)
-    parser.add_argument("--periods", type=int, default=60)
-    chosen = parser.parse_args()
-    speed(crowded=False)
-    speed(crowded=True)
     for name in ("scout", "forager"):
         tracking(name)
         turning(name)
-    walks(chosen.episodes, chosen.periods)
 
 
 if __name__ == "__main__":

@@ -16,12 +16,13 @@ from mjforage.physics.dynamics.picking import MOUTH_DEPTH_M, MOUTH_REACH_M
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
-from tests.controllers.proving_ground import EDGES_MPS, say
+from tests.controllers.proving_ground import say
 from tests.controllers.walks import PITCH_M, Outcome, Walk
 from tests.graph_planner.charts import grid
 
 FloatArray = NDArray[np.float64]
 
+EDGES_MPS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 10.0)
 NOISE = (0.1, 0.0175)  # m, rad
 REST_M = 1.9  # from the node's centre to an item, on each axis, at most
 ITEM_SHARE = 0.7  # of decisions with an item in the node

@@ -31,14 +31,6 @@ STARTS = ((10, 7), (12, 7), (14, 7), (16, 7))
 
 CALM = WeatherSettings()
 DEFAULT = WeatherSettings(drawn_drift_mps=0.04)  # comb-port: wind up to 1.9 m/s, no current
-GUSTS = WeatherSettings(wind_speed_mps=6.0, wind_toward_deg=None, gust_intensity=0.15)
-STRONG = WeatherSettings(
-    wind_speed_mps=6.0,
-    wind_toward_deg=None,
-    gust_intensity=0.15,
-    current_speed_mps=0.3,
-    current_toward_deg=None,
-)
 
 
 def crew() -> list[Vessel]:

@@ -8,22 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from mjforage.controllers import Pilot
 from mjforage.graph_planner.policies.registry import create_policy
-from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.mission.dynamics import LATE
 from mjforage.mission.setup import Setup
 from mjforage.physics.foretold import foretold, foretold_of_hull
-from mjforage.physics.scene import build_scene
-from mjforage.physics.simulation import Simulation
-from mjforage.physics.vessel_helm import decision_s, full_speed_s, helm_of
-from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.physics.vessel_helm import decision_s, full_speed_s
+from mjforage.physics.vessels import load_vessel
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.evaluate import evaluate
 from mjforage.scenario.scenario_file import load_scenario, preset_names
-from mjforage.scenario.vessel_files import vessel_names, vessel_path
+from mjforage.scenario.vessel_files import vessel_path
 
 PHYSICS = ("physics",)
 
@@ -44,17 +39,6 @@ def copied(folder: Path, name: str, *changes: tuple[str, str], without: str = ""
     path = folder / f"{name}_.toml"
     path.write_text(text, "utf-8")
     return str(path)
-
-
-def light_scout(mass_kg: float, lag_s: float = 0.2) -> Vessel:
-    scout = load_vessel("scout")
-    share = mass_kg / scout.mass_kg
-    names = (
-        *("mass_kg", "inertia_z_kgm2"),
-        *("added_mass_surge_kg", "added_mass_sway_kg", "added_mass_yaw_kgm2"),
-    )
-    lighter = {name: share * getattr(scout, name) for name in names}
-    return replace(scout, **lighter, lag_s=lag_s, control=None)
 
 
 @pytest.mark.parametrize("preset", preset_names())
@@ -161,39 +145,6 @@ def test_moves_are_late_where_they_take_longer_than_a_decision(longer_s: float, 
     assert any("moves will be late" in line for line in worn)
 
 
-def way(vessel: Vessel, step_s: float, seed: int) -> NDArray[np.float64]:
-    """(tick, 2) way of a hull through eight moves of 8 m, with turns of 17 to 69 degrees [m]."""
-    draw = np.random.default_rng(seed)
-    simulation = Simulation(build_scene([vessel]), 1, step_s=step_s, seeds=["trial"])
-    pilot, on = Pilot([helm_of(vessel)], None, 1), np.array([True])
-    simulation.place_vessels(np.array([[[0.0, 0.0, 0.3]]]))
-    here, course, found = np.zeros(2), 0.3, []
-    for _ in range(8):
-        course += draw.uniform(0.3, 1.2) * draw.choice([-1, 1])
-        there = here + 8.0 * np.array([math.cos(course), math.sin(course)])
-        pilot.order(on, here[None, None], there[None, None], np.array([[False]]))
-        here = there
-        for _ in range(100):
-            pose, velocity = simulation.vessel_pose.copy(), simulation.vessel_velocity.copy()
-            simulation.commands[:] = pilot.command(on, pose, velocity)
-            simulation.step(round(0.1 / step_s))
-            found.append(simulation.vessel_pose[0, 0, :2].copy())
-    return np.array(found)
-
-
-MADE = {"light": light_scout(5.0), "slow": light_scout(36.0, lag_s=2.0), "quick": light_scout(10.5)}
-
-
-@pytest.mark.parametrize("name", [*vessel_names(), *MADE])
-def test_ways_hang_on_the_time_step_where_it_is_told_that_control_hunts(name: str) -> None:
-    vessel = MADE.get(name) or load_vessel(name)
-    told = full_speed_s(vessel) < vessel.lag_s + 0.1
-    pairs = [(way(vessel, 0.1, seed), way(vessel, 0.02, seed)) for seed in range(6)]
-    apart = np.median([np.hypot(*(a - b).T).max() for a, b in pairs])
-    assert told == (name in ("light", "slow"))
-    assert (apart > 0.15) == told, apart
-
-
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -254,10 +205,3 @@ def test_a_run_says_it_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) ->
     caplog.clear()
     evaluate(setup, ["random", "greedy"], tmp_path / "run", episodes=60)  # it is all there
     assert line not in caplog.messages
-
-
-def test_environments_say_it_once(caplog: pytest.LogCaptureFixture) -> None:
-    for _ in range(3):
-        EnvironmentOptions(set=("weather.gust_intensity=0.123", "weather.shelter_height_m=3"))
-    words = "weather.shelter_height_m, weather.gust_intensity: not felt in world graph"
-    assert [line.startswith(words) for line in caplog.messages] == [True]

@@ -7,14 +7,10 @@ import pytest
 
 from mjforage.mission.dynamics import ARRIVED
 from mjforage.mission.episode_log import EpisodeLog
-from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.worlds import create_mission
 from tests.mjforage.mission.hands import (
-    COLUMNS,
-    NAMES,
     PERIOD_S,
     PITCH_M,
-    ROWS,
     TOWARD,
     amidst,
     sea,
@@ -70,26 +66,3 @@ def test_a_move_ends_where_its_compass_word_says(world: str, tmp_path: Path) -> 
     if world == "graph":  # headings counter-clockwise from east
         to_go = np.degrees(log.yaw[:, 1, 0])
         assert to_go % 360.0 == pytest.approx([90.0, 45.0, 0.0, 315.0, 270.0, 225.0, 180.0, 135.0])
-
-
-@BOTH
-def test_a_film_of_a_move_to_the_north_east(world: str, tmp_path: Path) -> None:
-    """In metres east and north of the south-west cell; the bow 45 degrees from east."""
-    setup, trajectory = sea(tmp_path), TrajectoryRecorder()
-    mission = create_mission(setup, world, trajectory)
-    mission.reset(0, np.array([amidst(setup)]))
-    for _ in range(3):
-        mission.advance(np.eye(9)[None, None, NAMES.index("NE")])
-    x, y = 8 * PITCH_M, (ROWS - 1 - 15) * PITCH_M
-    assert trajectory.pose[0, 0] == pytest.approx([x, y, 0.0])
-    assert trajectory.pose[-1, 0, :2] == pytest.approx([x + 15.0, y + 15.0], abs=1.5)
-    assert trajectory.pose[:, 0, :2].max() < COLUMNS * PITCH_M
-    under_way = trajectory.pose[len(trajectory.pose) // 2, 0, 2]
-    assert np.degrees(under_way) == pytest.approx(45.0, abs=12.0)
-    frames = 3 if world == "graph" else 3 * PERIOD_S / 0.5
-    assert len(trajectory.pose) == 1 + frames
-    assert trajectory.interval_s == (PERIOD_S if world == "graph" else 0.5)
-    row, col = mission.state.item_rc[0, 0]
-    assert trajectory.items[-1, 0] == pytest.approx(
-        [col * PITCH_M, (ROWS - 1 - row) * PITCH_M], rel=1e-6
-    )

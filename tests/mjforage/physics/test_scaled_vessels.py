@@ -8,10 +8,6 @@ import pytest
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics import mujoco_dynamics
-from mjforage.physics.hydrodynamics.parameters import pack
-from mjforage.physics.hydrodynamics.thruster import thrust
-from mjforage.physics.hydrodynamics.water_load import damping
-from mjforage.physics.hydrodynamics.wind_load import wind_force
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.vessels import ForceThruster, Vessel, load_vessel
 from mjforage.physics.worlds import create_mission
@@ -19,8 +15,6 @@ from mjforage.runs.identity import hull_facts
 from mjforage.scenario.scenario import Scale
 from mjforage.scenario.scenario_file import (
     load_scenario,
-    scenario_from_tree,
-    scenario_to_tree,
     with_values,
 )
 from mjforage.scenario.vessel_files import vessel_names
@@ -65,26 +59,6 @@ def test_a_factor_changes_its_numbers_and_no_others(name: str, key: str) -> None
     for number, value in before.items():
         expected = factor * value if number in CHANGED[key] else value
         assert after[number] == pytest.approx(expected, rel=1e-12), number
-
-
-def test_every_factor_has_a_test() -> None:
-    assert set(CHANGED) == {one.name for one in fields(Scale)}
-
-
-def test_forces_by_hand() -> None:
-    """The scout's drag at 1.5 m/s ahead, 17.3 u^2; the forager's thrust; the wind from ahead."""
-    scout, forager = load_vessel("scout"), load_vessel("forager")
-    drag = pack(scaled(scout, Scale(drag=1.2)))
-    assert damping(drag, 1.5, 0.0, 0.0)[0] == pytest.approx(-1.2 * 17.3 * 1.5**2)
-    sideways = [damping(pack(scaled(forager, Scale(drag=d))), 0.0, 0.4, 0.0)[1] for d in (1.0, 1.2)]
-    assert sideways[1] == pytest.approx(1.2 * sideways[0])
-    weak = pack(scaled(forager, Scale(thrust=0.7)))
-    assert thrust(weak, 50.0) == pytest.approx(0.7 * 0.01108 * 50.0**2)
-    assert thrust(weak, -50.0) == pytest.approx(-0.7 * 0.006445 * 50.0**2)
-    worn = pack(scaled(scout, Scale(thrust=0.7)))
-    assert (thrust(worn, 99.0), thrust(worn, 5.0)) == pytest.approx((0.7 * 33.6, 5.0))
-    load = wind_force(pack(scaled(forager, Scale(windage=1.5))), -8.0, 0.0)
-    assert load[0] == pytest.approx(-0.5 * 1.224 * 1.5 * 0.45 * 0.55 * 8.0**2)
 
 
 def spied(monkeypatch: pytest.MonkeyPatch, scale: dict[str, float]) -> dict[str, list[Any]]:
@@ -145,16 +119,6 @@ def test_a_thrust_below_the_dead_zone_is_refused() -> None:
     numb = replace(vessel, thruster=replace(vessel.thruster, dead_zone_newton=15.0))
     with pytest.raises(UserError, match=r"vessel scout with physics.scale: thruster.dead_zone"):
         scaled(numb, Scale(thrust=0.7))
-
-
-def test_scenarios_without_factors_are_as_they_were() -> None:
-    plain = load_scenario("comb-port")
-    assert "scale" not in scenario_to_tree(plain)["physics"]
-    heavy = with_values(plain, {"physics.scale.mass": 1.2}, "here")
-    tree = scenario_to_tree(heavy)
-    assert tree["physics"]["scale"]["mass"] == 1.2
-    assert scenario_from_tree(tree, "") == heavy
-    assert with_values(heavy, {"physics.scale.mass": 1.0}, "") == plain
 
 
 def test_runs_say_with_which_hulls_they_were() -> None:

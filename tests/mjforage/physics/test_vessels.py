@@ -5,7 +5,6 @@ import pytest
 from mjforage.base.errors import UserError
 from mjforage.physics.vessels import (
     ForceThruster,
-    Propeller,
     Vessel,
     load_vessel,
 )
@@ -89,30 +88,6 @@ def test_a_file_of_ones_own_loads(tmp_path: Path) -> None:
     assert raft.control is None
 
 
-def test_a_tuning_of_ones_own_loads(tmp_path: Path) -> None:
-    shipped = (models_folder() / "vessels" / "scout.toml").read_text(encoding="utf-8")
-    table = shipped[shipped.index("[control]") :]
-    assert load(tmp_path, GOOD + table).control == load_vessel("scout").control
-
-
-def test_otter_is_the_published_one() -> None:
-    """Numbers of physics.md section 2, and what follows from them."""
-    otter = load_vessel("otter")
-    assert (otter.mass_kg, otter.inertia_z_kgm2, otter.cog_x_m) == (80.0, 16.01, 0.153)
-    added = (otter.added_mass_surge_kg, otter.added_mass_sway_kg, otter.added_mass_yaw_kgm2)
-    assert added == (5.28, 82.5, 24.03)
-    assert (otter.linear_surge, otter.linear_sway, otter.linear_yaw) == (77.55, 162.5, 40.05)
-    assert otter.crossflow is not None
-    assert otter.crossflow.kind == "strips-otter"
-    assert otter.windage.area_front_m2 == otter.windage.area_side_m2 == 0.0
-    assert isinstance(otter.thruster, Propeller)
-    low, high = otter.thruster.thrust_range
-    assert high == pytest.approx(119.7, abs=0.05)
-    assert low == pytest.approx(-66.7, abs=0.05)
-    assert round(otter.thruster.n_max_ahead, 1) == 103.9
-    assert round(otter.thruster.n_max_astern, 1) == 101.7
-
-
 def test_forager_is_an_otter_that_its_load_slows() -> None:
     empty, otter = load_vessel("forager"), load_vessel("otter")
     assert (empty.mass_kg, empty.linear_surge) == (otter.mass_kg, otter.linear_surge)
@@ -126,16 +101,9 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
     ("text", "message"),
     [
         (changed("mass_kg", "-50.0"), "mass_kg = -50.0 is out of range; give above 0 to"),
-        (changed("mass_kg", "0"), "mass_kg = 0 is out of range"),
         (changed("mass_kg", "nan"), "mass_kg = nan is out of range"),
-        (changed("linear_surge", "inf"), "linear_surge = inf is out of range"),
         (changed("linear_sway", "-1"), "linear_sway = -1 is out of range; give 0 to"),
-        (changed("added_mass_sway_kg", "-40.0"), "added_mass_sway_kg = -40.0 is out of range"),
-        (changed("lag_s", "0"), "lag_s = 0 is out of range"),
         (changed("max_ahead_newton", "0.0"), "thruster.max_ahead_newton = 0.0 is out of range"),
-        (changed("mass_kg", '"heavy"'), "mass_kg = 'heavy', expected a number"),
-        (changed("mass_kg", "true"), "mass_kg = True, expected a number"),
-        (changed("mass_kg", "1" + "0" * 400), "is out of range"),
         (changed("inertia_z_kgm2", "0.5"), "about midships; raise inertia_z_kgm2 or bring"),
         (changed("cog_x_m", "0.6"), "is indefinite inertia"),
         (
@@ -150,18 +118,13 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
         (GOOD.replace("length_m", "lenght_m"), "unknown key lenght_m; did you mean length_m?"),
         (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it, a number with unit"),
         (GOOD.replace('"force"', '"sail"'), "thruster.kind = 'sail'; choose propeller, force"),
-        (GOOD.replace('"force"', "0x" + "f" * 9000), "thruster.kind = ''; choose propeller, force"),
         (GOOD.replace('kind = "force"\n', ""), "thruster.kind = ''; choose propeller, force"),
         (
             GOOD.replace('"force"', '"propeller"'),
             "unknown key thruster.max_ahead_newton; it is one of kind = 'force', and the kind is "
             "'propeller'",
         ),
-        (GOOD.replace('"a raft"', "3"), "description = 3, expected text"),
-        (GOOD + "[control]\n", "missing control.cruise_ahead_mps, control.cruise_astern_mps"),
         (GOOD + "[control]\nbrake = 1\n", "unknown key control.brake; did you mean control.brake_"),
-        (GOOD + "[windage]\n", "missing windage.area_front_m2, windage.area_side_m2"),
-        (GOOD + '[crossflow]\nkind = "guess"\n', "missing crossflow.coefficient"),
         ("mass_kg = 3\n" + GOOD.replace("mass_kg", "# mass_kg", 1), "mass_kg = 3, expected a tab"),
         (GOOD + "[", "not readable as TOML"),
     ],

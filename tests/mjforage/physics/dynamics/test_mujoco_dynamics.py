@@ -79,15 +79,6 @@ def test_an_episode_is_the_same_to_the_bit_in_any_batch(preset: str) -> None:
     assert fingerprint(back, 1) == fingerprint(whole, 3)
 
 
-@pytest.mark.parametrize(("integrator", "step_s"), [("fast", 0.1), ("reference", 0.02)])
-def test_integrators_have_steps_of_their_own(integrator: str, step_s: float) -> None:
-    """What they are at the same step is a check of `mjforage validate`."""
-    setup = setup_of("comb-port", f"physics.integrator={integrator}", "horizon=1")
-    dynamics = create_mission(setup, "physics")._dynamics
-    assert isinstance(dynamics, MujocoDynamics)
-    assert dynamics._step_s == step_s
-
-
 @pytest.mark.parametrize("camera", [False, True])
 def test_collectors_know_where_items_are_or_what_their_cameras_saw(camera: bool) -> None:
     """Scouts have no camera, and no camera sees all items."""
@@ -150,14 +141,6 @@ def test_every_world_plays_with_every_kind_of_policy(world: str) -> None:
         assert set(np.unique(log.outcome[:, 1:]).tolist()) <= {ARRIVED, LATE, BLOCKED}
 
 
-def test_worlds_of_one_seed_start_alike_and_have_the_same_items() -> None:
-    setup = setup_of("comb-port-weather", *SHORT)
-    logs = [played(setup, [4], world) for world in WORLDS]
-    for log in logs[1:]:
-        assert (log.item_start == logs[0].item_start).all()
-        assert (log.agent_node[:, 0] == logs[0].agent_node[:, 0]).all()
-
-
 def test_ideal_hulls_play_the_graphs_mission() -> None:
     """Fast hulls, no wind load, node capture, items moved by the rule: the same nodes."""
     setup = setup_of("comb-port", *IDEAL)
@@ -182,21 +165,6 @@ def test_a_hull_that_is_too_slow_is_late_and_decides_from_where_it_is() -> None:
         here = graph.metres(log.agent_rc[0, :, agent].astype(np.float64))
         way = np.hypot(*np.diff(here, axis=0).T)
         assert (log.speed[0, 1:, agent] * 4.0 >= way - 1e-3).all(), "way made is at least the chord"
-
-
-def test_items_drift_as_at_graph_level_in_open_water() -> None:
-    """Nobody near: after ten decisions most bodies are where the rule puts them, within 0.4 m."""
-    setup = setup_of("open-bay", "horizon=10", "team.scouts.count=0", "items.covariance_node2=4")
-    ends = []
-    for world in ("graph", "physics"):
-        mission = create_mission(setup, world)
-        mission.reset(0, np.arange(6))
-        mission.run(create_policy("random"))
-        ends.append((mission.state.item_rc.copy(), mission.state.item_node >= 0))
-    both = ends[0][1] & ends[1][1]
-    apart = np.hypot(*np.moveaxis(ends[0][0] - ends[1][0], -1, 0))[both]
-    assert np.median(apart) < 0.05
-    assert (apart < 0.1).mean() > 0.7  # the others lie against a quay
 
 
 def test_a_collector_grows_heavier_and_capacity_ends_it() -> None:
@@ -228,22 +196,6 @@ def test_what_cannot_be_run_is_named(overrides: tuple[str, ...], words: str) -> 
         create_mission(setup_of("comb-port", *overrides), "physics")
 
 
-@pytest.mark.parametrize(
-    ("override", "words"),
-    [
-        ("physics.capture=net", "physics.capture = 'net'; choose node, intake"),
-        ("physics.vessels.whales=scout", "physics.vessels.whales: no such team"),
-        ("physics.vessels=scout", "physics.vessels = 'scout', expected a table"),
-        ("sensors.detection=1.5", "sensors.detection = 1.5 is out of range"),
-        ("weather.gust_intensity=2", "weather.gust_intensity = 2 is out of range"),
-    ],
-)
-def test_a_scenario_that_means_nothing_is_refused(override: str, words: str) -> None:
-    with pytest.raises(UserError) as caught:
-        load_scenario("comb-port", [override])
-    assert words in str(caught.value)
-
-
 def test_an_instability_names_seed_episode_time_and_body() -> None:
     mission = create_mission(setup_of("comb-port", *SHORT), "physics")
     mission.reset(3, np.array([7, 12]))
@@ -257,19 +209,6 @@ def test_an_instability_names_seed_episode_time_and_body() -> None:
     with pytest.raises(InstabilityError) as caught:
         mission.advance(preferences)
     assert "seed 3, episode 12, t = 10.00 s, body foragers_0" in str(caught.value)
-
-
-def test_the_belief_planner_forages_better_than_greedy_with_hulls_too() -> None:
-    """Gusts, a current, a collector to be steered onto items, late and blocked moves."""
-    setup = setup_of("comb-port-weather", "horizon=110")
-    shares = {}
-    for policy in ("greedy", "belief(fast=true)"):
-        several = scored(setup, [1, 2, 3], policy=policy)
-        log = several.log
-        shares[policy] = (log.t_collected >= 0).sum(axis=1) / log.n_items
-    # Means only: the last bits of a processor's arithmetic decide single hulled episodes.
-    assert shares[policy].mean() > max(0.75, shares["greedy"].mean() + 0.1)
-    assert fingerprint(scored(setup, [2], policy=policy), 0) == fingerprint(several, 1)
 
 
 @pytest.mark.parametrize("world", ["hulls", "calibrated", "debris", "intake", "physics"])

@@ -52,14 +52,6 @@ def test_the_mouth_is_the_beam_wide_at_the_bow_and_fills_up() -> None:
     assert state.collected_by[0].tolist() == [1, 1, -1, -1, -1, 1]
 
 
-def test_a_scout_takes_nothing() -> None:
-    state = state_of([3])
-    pose = np.zeros((1, 2, 3))
-    nobody = REACH._replace(collects=np.zeros(2, np.bool_))
-    arguments = pose, np.array([[[1.0, 0.0]]]), np.full((1, 2), 9)
-    assert take_at_mouth(nobody, ON, *arguments, state) == 0
-
-
 def test_the_goal_is_the_nearest_item_within_the_target_node() -> None:
     """Even if one beside the node is nearer to the bow."""
     state = state_of([0, 0, -1, 0])

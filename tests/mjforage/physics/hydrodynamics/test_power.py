@@ -23,14 +23,6 @@ def test_the_least_power_is_momentum_theory() -> None:
     assert thrust == pytest.approx(2 * RHO_A * (1.0 + slip) * slip)  # T = 2 rho A (u + a) a
 
 
-def test_a_moored_otter_flat_out_draws_what_its_users_measured() -> None:
-    """NTNU, power usage of the Otter: 2 x 400 W of motors, 833.8 W with all else."""
-    full, p = OTTER.thruster.command_range[1], pack(OTTER)
-    assert drawn_power(p, full, full, 0.0) == pytest.approx(833.8, rel=2e-3)
-    assert drawn_power(p, 0.0, 0.0, 1.0) == 33.8
-    assert drawn_power(p, full, 0.0, 0.0) == pytest.approx(433.8, rel=2e-3)
-
-
 def test_a_vessel_without_the_table_draws_the_least() -> None:
     p = pack(dataclasses.replace(OTTER, power=IDEAL_POWER))
     assert drawn_power(p, 60.0, 0.0, 1.0) == least_power(DISC, 0.01108 * 3600.0, 1.0)

@@ -14,7 +14,7 @@ from mjforage.physics.hydrodynamics import (
     load_mass,
     pack,
 )
-from mjforage.physics.hydrodynamics.water_load import added_inertial, damping
+from mjforage.physics.hydrodynamics.water_load import damping
 from mjforage.physics.vessels import Vessel, load_vessel
 
 OTTER, SCOUT, FORAGER = (load_vessel(name) for name in ("otter", "scout", "forager"))
@@ -39,13 +39,6 @@ def test_scout_damping_by_hand() -> None:
     assert x == pytest.approx(17.3 * 4.0)
     assert y == pytest.approx(-(70.0 + 100.0 * 0.5) * 0.5)
     assert n == pytest.approx(-(3.3 + 17.3 * 0.5) * 0.5)
-
-
-def test_munk_moment_turns_the_hull_across_the_flow() -> None:
-    """Ahead and to port: the bow turns away from the velocity, clockwise."""
-    assert added_inertial(pack(OTTER), 2.0, 0.1, 0.0) == pytest.approx(
-        (0.0, 0.0, -(82.5 - 5.28) * 2.0 * 0.1)
-    )
 
 
 @given(SPEED, SPEED, RATE)
@@ -81,10 +74,3 @@ def test_load_adds_weight_and_drag() -> None:
     assert load_mass(p, 50.0) == pytest.approx(10.0)
     assert load_drag(p, 50.0, -2.0) == pytest.approx(15.0 * 4.0)
     assert load_drag(pack(OTTER), 50.0, 1.0) == 0.0
-
-
-def test_forager_takes_80_newton_and_its_collector_at_one_metre_per_second() -> None:
-    hull, _, _ = damping(pack(OTTER), 1.0, 0.0, 0.0)
-    both, _, _ = damping(pack(FORAGER), 1.0, 0.0, 0.0)
-    assert hull == pytest.approx(-80.0, rel=0.05)
-    assert both - hull == pytest.approx(-30.0)

@@ -17,7 +17,6 @@ from mjforage.physics.manoeuvre.key_figures import (
 from mjforage.physics.manoeuvre.overshoots import zigzag_figures
 from mjforage.physics.manoeuvre.standard import shares
 from mjforage.physics.vessels import load_vessel
-from tests.mjforage.physics.validation.manoeuvre_checks import steady_turn
 
 OTTER, SCOUT, FORAGER = (load_vessel(name) for name in ("otter", "scout", "forager"))
 TIMES = np.linspace(0.0, 40.0, 4001)
@@ -75,49 +74,6 @@ def test_every_test_gives_finite_figures_with_unit_and_meaning(vessel: str, test
     assert all(math.isfinite(f.value) and f.unit and f.meaning for f in found.values())
 
 
-def test_turning_circle_of_the_otter_balances_its_forces() -> None:
-    u, v, r = steady_turn()
-    found = figures("otter", "turning-circle")
-    assert found["turning_speed"] == pytest.approx(math.hypot(u, v), rel=1e-5)
-    assert found["turning_rate"] == pytest.approx(r, rel=1e-5)
-    assert found["turning_diameter"] == pytest.approx(2.0 * math.hypot(u, v) / r, rel=1e-5)
-    assert found["drift_angle"] == pytest.approx(math.degrees(math.atan2(v, u)), abs=1e-3)
-
-
-def test_turning_circles_to_both_sides_have_the_same_figures() -> None:
-    port, starboard = (
-        figures("scout", test) for test in ("turning-circle", "turning-circle-starboard")
-    )
-    assert port["turning_diameter"] == pytest.approx(starboard["turning_diameter"], rel=1e-9)
-    assert port["drift_angle"] == pytest.approx(-starboard["drift_angle"], rel=1e-9)
-
-
-def test_centre_of_the_circle_drifts_with_the_current() -> None:
-    found = figures("otter", "turning-circle", Conditions(current_mps=(0.24, -0.1)))
-    calm = figures("otter", "turning-circle")
-    assert found["centre_drift"] == pytest.approx(0.26, rel=1e-3)
-    assert found["turning_diameter"] == pytest.approx(calm["turning_diameter"], rel=1e-4)
-    assert found["drift_angle"] == pytest.approx(calm["drift_angle"], abs=1e-2)
-
-
-def test_straight_figures_of_the_otter_follow_from_mass_and_linear_drag() -> None:
-    """Coasting: M/d = 1.10 s; the propeller's run-down adds less than its lag of 0.1 s."""
-    found = figures("otter", "straight")
-    assert found["steady_speed"] == pytest.approx(2.0 * 119.703 / 77.55, rel=1e-4)
-    assert 85.28 / 77.55 < found["coast_time"] < 85.28 / 77.55 + 0.1
-    assert 85.28 / 77.55 < found["rise_time"] < 85.28 / 77.55 + 0.2
-
-
-def test_stopping_distance_lies_between_that_of_full_and_of_no_delay() -> None:
-    """M u' = -(T + k u^2): x = M / 2k ln(1 + k u0^2 / T) without lag, plus at most lag * u0."""
-    found = figures("scout", "stop")
-    k, mass, thrust = 17.3, 38.25, 2.0 * 19.9
-    u0 = found["top_speed"]
-    at_once = mass / (2.0 * k) * math.log(1.0 + k * u0**2 / thrust)
-    later = SCOUT.lag_s * u0 * (1.0 + 2.0 * 33.6 / thrust)
-    assert at_once < found["stopping_distance"] < at_once + later
-
-
 @pytest.mark.parametrize(("test", "angle"), [("zigzag", 10.0), ("zigzag-20", 20.0)])
 def test_zigzag_reverses_past_its_angle_on_both_sides(test: str, angle: float) -> None:
     run = run_test(OTTER, test, Conditions(heading_rad=1.0))
@@ -143,12 +99,6 @@ def test_leeway_of_the_forager_head_to_wind_balances_air_and_water() -> None:
     found = figures("forager", "drift", Conditions(wind_mps=(-8.0, 0.0)))
     assert found["drift_speed"] == pytest.approx(speed, rel=1e-6)
     assert found["leeway"] == pytest.approx(speed / 0.08, rel=1e-6)
-
-
-def test_drift_in_a_current_reports_no_leeway_without_wind() -> None:
-    found = figures("otter", "drift", Conditions(current_mps=(0.3, 0.0)))
-    assert found["drift_speed"] == pytest.approx(0.3, rel=1e-3)
-    assert "leeway" not in found
 
 
 def test_a_hull_that_feels_no_wind_has_no_leeway_rather_than_none_of_it() -> None:

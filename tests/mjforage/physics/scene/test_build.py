@@ -36,6 +36,11 @@ def test_rows_of_the_mass_matrix_hold_what_the_callback_writes(model: mujoco.MjM
     assert model.M_rownnz.tolist() == [1, 2, 3] * 2 + [1, 1] * 7
 
 
+def test_vessels_without_offset_keep_the_whole_mass_matrix() -> None:
+    vessel = dataclasses.replace(load_vessel("otter"), cog_x_m=0.0)
+    assert build_scene([vessel]).model.M_rownnz.tolist() == [1, 2, 3]
+
+
 @pytest.mark.parametrize("name", vessel_names())
 def test_inertia_comes_from_the_parameters(name: str) -> None:
     vessel = load_vessel(name)

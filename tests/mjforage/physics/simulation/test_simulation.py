@@ -59,21 +59,6 @@ def test_the_size_of_the_pool_changes_no_bit(integrator: Integrator) -> None:
     assert ends[0][2] > 1 and ends[2][2] == 60
 
 
-@BOTH
-@pytest.mark.parametrize("step_s", [0.05, 0.2, 1.0])
-def test_items_reach_leeway_at_any_step(integrator: Integrator, step_s: float) -> None:
-    scene = build_scene([dataclasses.replace(OTTER, lag_s=0.5)], items=5)
-    simulation = Simulation(scene, integrator=integrator, step_s=step_s)
-    simulation.place_items(np.arange(10.0).reshape(5, 2) * 10, np.arange(5))
-    simulation.place_vessels(np.array([-50.0, -50.0, 0.0]))
-    wind, water = np.array([6.0, -8.0]), np.array([0.2, 0.1])
-    simulation.item_wind[:], simulation.item_water[:] = wind, water
-    simulation.step(round(200 / step_s))
-    alpha = np.array([kind.leeway for kind in scene.classes])[:, None]
-    expected = water + alpha * (wind - water)
-    np.testing.assert_allclose(simulation.item_velocity[0], expected, rtol=0, atol=1e-6)
-
-
 def test_parked_items_do_not_move() -> None:
     simulation = Simulation(build_scene([OTTER], items=3))
     simulation.item_wind[:] = 20.0, 5.0

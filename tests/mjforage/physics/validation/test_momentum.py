@@ -2,11 +2,9 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from mjforage.physics.hydrodynamics.conditions import Conditions
-from mjforage.physics.vessel_checks import coasting
 from mjforage.physics.vessels import load_vessel
 from tests.mjforage.physics.validation.manoeuvre_checks import steady_turn
 from tests.mjforage.physics.validation.momentum import MomentumHull, wind_load
@@ -29,14 +27,6 @@ def test_beam_to_the_wind_it_drifts_at_its_leeway() -> None:
     assert yaw == pytest.approx(0.0, abs=1e-9)
     assert surge == pytest.approx(0.2, abs=1e-3)
     assert sway - 0.1 == pytest.approx(10.0 * leeway(load_vessel("forager"), 10.0), rel=1e-6)
-
-
-@pytest.mark.parametrize("load", [0.0, 100.0])
-def test_it_coasts_by_the_closed_form(load: float) -> None:
-    vessel = load_vessel("forager")
-    hull = MomentumHull(vessel, Conditions(velocity_mps=(1.5, 0.0)), load)
-    hull.step(0.0, 0.0, 3.0)
-    assert hull.state()[3] == pytest.approx(coasting(vessel, 1.5, np.array([3.0]), load)[0])
 
 
 def test_it_turns_at_the_balance_of_forces() -> None:

@@ -10,15 +10,11 @@ from scipy import stats
 
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
-from mjforage.graph_planner.graph.navigation import STAY, navigation_graph
-from mjforage.mission.graph_dynamics import GraphDynamics
+from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.initial_state import InitialState, create_initial_state
-from mjforage.mission.moves import Moves
 from mjforage.physics.weather import Field, WeatherSettings
-from mjforage.scenario.fleet import Fleet, Role
 from mjforage.scenario.maps import load_map
 from mjforage.scenario.scenario import Items, Weather
-from mjforage.scenario.scenario_file import load_scenario
 
 PITCH, PERIOD = 4.0, 10.0
 HARBOUR = navigation_graph(load_map("comb_port").navigable, PITCH, False)
@@ -123,36 +119,6 @@ def test_the_papers_drift_has_its_distribution_and_is_the_graphs() -> None:
     np.testing.assert_allclose(drift, graphs, rtol=1e-14)
 
 
-def test_a_wind_of_the_scenario_drifts_items_alike_in_both_worlds() -> None:
-    keys, nobody = episode_keys(3, np.arange(50)), np.empty(0, np.int32)
-    breeze = Weather(wind_speed_mps=5.0)
-    world = create_initial_state(OPEN, Items(), breeze, PITCH / PERIOD, nobody, 1, keys)
-    weather = Field.create(WeatherSettings.of_scenario(breeze, PITCH, PERIOD), keys)
-    graphs = np.stack((world.drift_rc[:, 1], -world.drift_rc[:, 0]), axis=-1) * PITCH / PERIOD
-    np.testing.assert_allclose(0.03 * weather.mean_wind_mps, graphs, rtol=1e-13)
-
-
-def test_wind_and_noise_carry_items_as_the_graph_does() -> None:
-    """Three decisions of the graph in open water against the integral of leeway and noise."""
-    world, weather = paper_world(20)
-    anchored = Fleet.of({"scouts": Role(count=1, moves=1, radius=1.0, collects=False)})
-    scenario = load_scenario("comb-port")
-    dynamics = GraphDynamics(OPEN, anchored, scenario)
-    state = dynamics.reset(world, episode_keys(3, np.arange(20)), [""] * 20)
-    zero = np.zeros((20, 1), np.int8)
-    moves = Moves(zero + np.int8(STAY), world.agent_node, zero, zero.astype(np.bool_))
-    inland = ((world.item_rc > 2) & (world.item_rc < 57)).all(axis=-1) & (world.item_node >= 0)
-    assert inland.sum() > 1000
-    here = OPEN.metres(world.item_rc)
-    for step in range(3):
-        decision = np.full(20, step + 1, np.int32)
-        state = dynamics.advance(np.ones(20, np.bool_), decision, moves)
-        middle = PERIOD * (step + 0.5)
-        speed = 0.03 * weather.wind(middle, here) + weather.item_noise(middle, here.shape[1])
-        here = here + PERIOD * speed
-        np.testing.assert_allclose(here[inland], OPEN.metres(state.item_rc)[inland], atol=1e-10)
-
-
 def test_noise_is_held_for_a_period_even_if_time_was_summed_up() -> None:
     _, weather = paper_world(4)
     summed = sum([0.1] * 300)
@@ -162,47 +128,6 @@ def test_noise_is_held_for_a_period_even_if_time_was_summed_up() -> None:
     assert (weather.item_noise(29.9, 75) != third).all()
     assert (weather.item_noise(40.0, 75) != third).all()
     assert 0.035 < np.abs(weather.item_noise(0.0, 75)).max() <= 0.036
-
-
-@pytest.mark.parametrize("step_s", [0.02, 0.1, 1.0, 5.0])
-def test_gusts_have_their_size_and_memory_at_every_time_step(step_s: float) -> None:
-    """Along 0.15 U and across 0.8 of it, correlation exp(-step / tau), at the wind's own axes."""
-    settings = WeatherSettings(
-        wind_speed_mps=5.0, wind_toward_deg=30.0, gust_intensity=0.15, gust_tau_s=2.0
-    )
-    gusty = field(settings, 10_000)
-    xy = np.zeros((10_000, 1, 2))
-    axes = np.array([[math.cos(math.pi / 6), -0.5], [0.5, math.cos(math.pi / 6)]])
-    now = gusty.wind(100.0, xy)[:, 0] @ axes - [5.0, 0.0]
-    then = gusty.wind(100.0 + step_s, xy)[:, 0] @ axes - [5.0, 0.0]
-    np.testing.assert_allclose(now.mean(axis=0), 0.0, atol=4 * 0.75 / 100)
-    np.testing.assert_allclose(now.std(axis=0), [0.75, 0.6], rtol=4 / math.sqrt(20_000))
-    memory = math.exp(-step_s / 2.0)
-    for axis in range(2):
-        found = correlation(now[:, axis], then[:, axis])
-        assert abs(found - memory) < 4 * (1 - memory**2) / 100
-    assert abs(correlation(now[:, 0], now[:, 1])) < 4 / 100
-
-
-def test_a_wandering_current_has_its_size_and_memory() -> None:
-    settings = WeatherSettings(current_speed_mps=0.2, current_wander_mps=0.05)
-    wandering, xy = at_sea(settings, 10_000), np.zeros((10_000, 1, 2))
-    now, then = (wandering.current(t, xy)[:, 0] - [0.2, 0.0] for t in (50.0, 350.0))
-    np.testing.assert_allclose(now.std(axis=0), 0.05, rtol=4 / math.sqrt(20_000))
-    memory = math.exp(-0.5)
-    for axis in range(2):
-        found = correlation(now[:, axis], then[:, axis])
-        assert abs(found - memory) < 4 * (1 - memory**2) / 100
-
-
-def test_circulation_has_its_peak_and_sense() -> None:
-    xy = HARBOUR.metres(np.stack((HARBOUR.rows, HARBOUR.cols), axis=-1))[None]
-    left, right = (
-        field(WeatherSettings(circulation_mps=peak), 1).current(0.0, xy) for peak in (0.2, -0.2)
-    )
-    np.testing.assert_array_equal(left, -right)
-    assert 0.18 < np.hypot(left[..., 0], left[..., 1]).max() < 0.2
-    assert not field(WeatherSettings(), 1).current(0.0, xy).any()
 
 
 def test_a_circulation_needs_a_map() -> None:

@@ -128,21 +128,3 @@ def test_the_process_forgets_all_but_the_present() -> None:
     ahead = (later - math.exp(-0.4) * now).ravel()
     behind = (past - math.exp(-0.4) * now).ravel()
     assert abs(np.corrcoef(ahead, behind)[0, 1]) < 4 / math.sqrt(ahead.size)
-
-
-def test_the_spectrum_is_that_of_the_process_at_every_sampling() -> None:
-    """Periodograms against the spectrum of sampled Ornstein-Uhlenbeck noise, in bands of 16.
-
-    The window of n samples leaks a share of about 1 / (n step) into the falling flank: 2 %.
-    """
-    n = 1024
-    for step in (0.05, 0.5):
-        paths = sampled(episode_keys(13, np.arange(500)), 0.0, step, n)
-        power = (np.abs(np.fft.rfft(paths)) ** 2).mean(axis=(0, 1)) * step / n
-        omega = 2 * np.pi * np.fft.rfftfreq(n, step)
-        a = math.exp(-step)
-        expected = step * (1 - a * a) / (1 - 2 * a * np.cos(omega * step) + a * a)
-        ratio = (power / expected)[1:].reshape(-1, 16).mean(axis=1)
-        np.testing.assert_allclose(ratio, 1.0, atol=0.06)
-        slow = omega * step < 0.2
-        np.testing.assert_allclose(expected[slow], 2 / (1 + omega[slow] ** 2), rtol=0.03)

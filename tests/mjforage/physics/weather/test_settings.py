@@ -9,29 +9,6 @@ from mjforage.scenario.scenario import Weather
 from mjforage.scenario.schema import rows
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "fault"),
-    [
-        ("wind_speed_mps", -1.0, "out of range; give 0 to 60"),
-        ("wind_speed_mps", float("nan"), "out of range"),
-        ("item_noise_period_s", float("inf"), "out of range"),
-        ("gust_intensity", 0.6, "out of range; give 0 to 0.5"),
-        ("gust_tau_s", 0.0, "out of range"),
-        ("gust_tau_s", None, "expected a number"),
-        ("wind_speed_mps", "5", "expected a number"),
-        ("wind_speed_mps", True, "expected a number"),
-        ("wind_toward_deg", 400.0, "out of range; give -360 to 360"),
-        ("item_noise_period_s", 0.0, "out of range"),
-        ("circulation_mps", 9.0, "out of range"),
-    ],
-)
-def test_bad_values_are_named(name: str, value: Any, fault: str) -> None:
-    with pytest.raises(UserError) as error:
-        WeatherSettings(**{name: value})
-    message = str(error.value)
-    assert message.startswith(f"weather: {name} = {value!r}") and fault in message
-
-
 def test_every_number_has_a_range_and_keeps_to_it() -> None:
     for row in rows(WeatherSettings):
         low, high = map(float, row.range.split(" to "))
@@ -41,10 +18,6 @@ def test_every_number_has_a_range_and_keeps_to_it() -> None:
         beyond: dict[str, Any] = {row.key: np.nextafter(high, np.inf)}
         with pytest.raises(UserError, match=row.key):
             WeatherSettings(**beyond)
-
-
-def test_integers_become_floats() -> None:
-    assert type(WeatherSettings(wind_speed_mps=3).wind_speed_mps) is float
 
 
 def test_the_papers_drift_in_metres_per_second() -> None:
