@@ -2,15 +2,15 @@
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped
-from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.vessel_model import ModelRecord
 
 LEAD = 0.5  # lag that is left of the thrusters' own
 
 
 @kernel
-def allocate(p: PackedHelm, surge: float, moment: float) -> tuple[float, float]:
+def allocate(p: ModelRecord, surge: float, moment: float) -> tuple[float, float]:
     """Thrust of port and starboard [N] for a surge force [N] and a moment [N m].
 
     Yaw has priority: the moment is met as far as the thrusters reach, then surge as far as it is
@@ -23,7 +23,7 @@ def allocate(p: PackedHelm, surge: float, moment: float) -> tuple[float, float]:
 
 
 @kernel
-def command_for(p: PackedHelm, thrust: float) -> float:
+def command_for(p: ModelRecord, thrust: float) -> float:
     """Command whose steady thrust is nearest to `thrust` [N], in the thruster's unit and range.
 
     Inside the dead zone the nearer of nothing and its edge.
@@ -40,7 +40,7 @@ def command_for(p: PackedHelm, thrust: float) -> float:
 
 
 @kernel
-def thrust_of(p: PackedHelm, command: float) -> float:
+def thrust_of(p: ModelRecord, command: float) -> float:
     """Steady thrust of one side [N] under a command."""
     if abs(command) < p.dead_zone:
         return 0.0
@@ -49,13 +49,13 @@ def thrust_of(p: PackedHelm, command: float) -> float:
 
 
 @kernel
-def lagged(p: PackedHelm, state: float, command: float, step_s: float) -> float:
+def lagged(p: ModelRecord, state: float, command: float, step_s: float) -> float:
     """State of a thruster's first-order lag after a step of a constant command."""
     return command + (state - command) * math.exp(-step_s / p.lag_s)
 
 
 @kernel
-def led_command(p: PackedHelm, state: float, command: float, step_s: float) -> float:
+def led_command(p: ModelRecord, state: float, command: float, step_s: float) -> float:
     """The command that brings the lag's state towards `command` as a lag of `LEAD` would."""
     share = math.exp(-step_s / (LEAD * p.lag_s)) - 1.0
     lead = share / (math.exp(-step_s / p.lag_s) - 1.0)

@@ -2,7 +2,7 @@
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 
 
 @kernel

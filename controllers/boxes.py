@@ -2,7 +2,7 @@
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 
 
 @kernel
@@ -37,5 +37,5 @@ def box_gap(
 
 @kernel
 def circle_radius(length: float, beam: float) -> float:
-    """Radius of the circle that a hull turning about its middle stays in [m]."""
+    """Radius of the circle that a vessel turning about its middle stays in [m]."""
     return 0.5 * math.sqrt(length * length + beam * beam)

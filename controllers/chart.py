@@ -1,4 +1,4 @@
-"""Where quays are: gaps between hulls and land cells; the map's edge counts as a quay."""
+"""Gaps between vessels and land cells; the map's edge counts as a quay."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.boxes import box_gap
 
 LandArray = NDArray[np.bool_]
@@ -42,14 +42,14 @@ class Chart:
 
 @kernel
 def is_cell_land(land: LandArray, i: int, j: int) -> bool:
-    """Whether cell (i, j), counted from the south-west, is land; all is around a map."""
+    """True if cell (i, j), counted from the south-west, is land; all is around a map."""
     inside = -1 <= i < land.shape[0] - 1 and -1 <= j < land.shape[1] - 1
     return bool(not inside or land[i + 1, j + 1])
 
 
 @kernel
 def is_land(land: LandArray, pitch: float, x: float, y: float) -> bool:
-    """Whether a point [m] lies on land; an empty map has none, and all is land around a map."""
+    """True if a point [m] lies on land; an empty map has none, and all is land around a map."""
     if land.size == 0:
         return False
     return is_cell_land(land, math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5))
@@ -57,7 +57,7 @@ def is_land(land: LandArray, pitch: float, x: float, y: float) -> bool:
 
 @kernel
 def headland(land: LandArray, i: int, j: int) -> bool:
-    """Whether a quay juts out where cells (i, j) and (i + 1, j + 1) meet: one of four is land."""
+    """True if a quay juts out where cells (i, j) and (i + 1, j + 1) meet: one of four is land."""
     if land.size == 0:
         return False
     count = int(is_cell_land(land, i, j)) + int(is_cell_land(land, i + 1, j))
@@ -73,7 +73,7 @@ def way_to_cell(pitch: float, x: float, y: float, i: int, j: int) -> tuple[float
 
 @kernel
 def is_nearer(land: LandArray, i: int, j: int, dx: float, dy: float) -> bool:
-    """Whether a way (dx, dy) to land cell (i, j) is shorter than to its neighbours before it.
+    """True if a way (dx, dy) to land cell (i, j) is shorter than to its neighbours before it.
 
     Of a straight quay that is one cell, of two quays in a corner one each; a corner that juts out
     is nearer than its sides.

@@ -1,18 +1,18 @@
-"""Who comes too near whom: ways that meet, and conflicts between predicted paths."""
+"""Ways that meet, and conflicts between predicted paths."""
 
 from typing import NamedTuple
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.boxes import box_gap, circle_radius
 from mjforage.controllers.chart import LandArray, quay_gap
-from mjforage.controllers.helm import FloatArray, HelmArray, PackedHelm
 from mjforage.controllers.prediction import SAMPLE_S, SAMPLES
 from mjforage.controllers.state import HOLD, FleetArray, VesselState
+from mjforage.controllers.vessel_model import FloatArray, ModelArray, ModelRecord
 
 GROWTH_MPS = 0.04  # of the margin with time, for what is not foreseen
 MOST_GROWTH_M = 0.2  # at most
 BESIDE_M = 0.1  # margin over the hulls' clearance
-NEAR_M = 1.0  # hulls whose ways come nearer than this are looked at
+NEAR_M = 1.0  # vessels whose ways come nearer than this are looked at
 NONE = -1  # no vessel, no sample
 
 
@@ -20,7 +20,7 @@ class Traffic(NamedTuple):
     """One episode as planning sees it."""
 
     fleet: FleetArray  # (vessel,)
-    helms: HelmArray  # (vessel,)
+    models: ModelArray  # (vessel,)
     paths: FloatArray  # (vessel + 1, SAMPLES, 4) predictions; the last is being tried
     met: FloatArray  # (vessel, vessel) 1 where ways meet
     land: LandArray  # of a `Chart`
@@ -39,10 +39,10 @@ def way_box(s: VesselState) -> tuple[float, float, float, float]:
 
 
 @kernel
-def ways_meet(fleet: FleetArray, helms: HelmArray, i: int, j: int) -> bool:
-    """Whether the boxes around the ways of two vessels come near each other."""
-    room = NEAR_M + circle_radius(helms[i].length_m, helms[i].beam_m)
-    room += circle_radius(helms[j].length_m, helms[j].beam_m)
+def ways_meet(fleet: FleetArray, models: ModelArray, i: int, j: int) -> bool:
+    """True if the boxes around the ways of two vessels come near each other."""
+    room = NEAR_M + circle_radius(models[i].length_m, models[i].beam_m)
+    room += circle_radius(models[j].length_m, models[j].beam_m)
     west_a, east_a, south_a, north_a = way_box(fleet[i])
     west_b, east_b, south_b, north_b = way_box(fleet[j])
     beside = west_a - room > east_b or west_b - room > east_a
@@ -51,18 +51,18 @@ def ways_meet(fleet: FleetArray, helms: HelmArray, i: int, j: int) -> bool:
 
 @kernel
 def conflict(
-    a: FloatArray, b: FloatArray, helm_a: PackedHelm, helm_b: PackedHelm, extra: float
+    a: FloatArray, b: FloatArray, model_a: ModelRecord, model_b: ModelRecord, extra: float
 ) -> int:
-    """First sample at which two predicted hulls are too near each other, or `NONE`.
+    """First sample at which two predicted vessels are too near each other, or `NONE`.
 
     Parameters
     ----------
     a, b : (SAMPLES, 4) of `predict`
     extra : margin over the usual one [m]
     """
-    long_a, wide_a = 0.5 * helm_a.length_m, 0.5 * helm_a.beam_m
-    long_b, wide_b = 0.5 * helm_b.length_m, 0.5 * helm_b.beam_m
-    clear = max(helm_a.clearance_m, helm_b.clearance_m) + BESIDE_M + extra
+    long_a, wide_a = 0.5 * model_a.length_m, 0.5 * model_a.beam_m
+    long_b, wide_b = 0.5 * model_b.length_m, 0.5 * model_b.beam_m
+    clear = max(model_a.clearance_m, model_b.clearance_m) + BESIDE_M + extra
     far = long_a + wide_a + long_b + wide_b + clear + MOST_GROWTH_M
     most = clear
     for k in range(SAMPLES):
@@ -80,8 +80,8 @@ def conflict(
 
 
 @kernel
-def runs_aground(a: FloatArray, p: PackedHelm, land: LandArray, pitch: float) -> bool:
-    """Whether a predicted hull comes too near a quay."""
+def runs_aground(a: FloatArray, p: ModelRecord, land: LandArray, pitch: float) -> bool:
+    """True if a predicted vessel comes too near a quay."""
     long, wide, least = 0.5 * p.length_m, 0.5 * p.beam_m, p.clearance_m
     for k in range(0, SAMPLES, 2):
         gap = quay_gap(land, pitch, a[k, 0], a[k, 1], a[k, 2], a[k, 3], long, wide, least)
@@ -94,7 +94,7 @@ def runs_aground(a: FloatArray, p: PackedHelm, land: LandArray, pitch: float) ->
 
 @kernel
 def heeds(traffic: Traffic, v: int, u: int, heed_resting: bool) -> bool:
-    """Whether vessel `v` plans around `u`: who rests, goes first, or knows no way itself."""
+    """True if vessel `v` plans around `u`: who rests, goes first, or knows no way itself."""
     fleet = traffic.fleet
     if u == v or traffic.met[v, u] == 0.0:
         return False
@@ -107,12 +107,12 @@ def heeds(traffic: Traffic, v: int, u: int, heed_resting: bool) -> bool:
 def first_conflict(traffic: Traffic, v: int, heed_resting: bool, extra: float) -> tuple[int, int]:
     """Earliest conflict of the path being tried for vessel `v`: sample and vessel, or `NONE`."""
     first, other = NONE, NONE
-    paths, helms = traffic.paths, traffic.helms
-    n = helms.shape[0]
+    paths, models = traffic.paths, traffic.models
+    n = models.shape[0]
     for u in range(n):
         if not heeds(traffic, v, u, heed_resting):
             continue
-        k = conflict(paths[n], paths[u], helms[v], helms[u], extra)
+        k = conflict(paths[n], paths[u], models[v], models[u], extra)
         if k != NONE and (first == NONE or k < first):
             first, other = k, u
     return first, other

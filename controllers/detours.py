@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.conflicts import NONE, Traffic, first_conflict, runs_aground
-from mjforage.controllers.helm import FloatArray
 from mjforage.controllers.prediction import NEVER_S, SAMPLE_S, SAMPLES, predict
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import FloatArray
 
 CONFLICT_S = 60.0  # cost of a plan with a conflict, less the later it is
 AGROUND_S = 30.0  # cost of a plan that comes too near a quay
@@ -17,7 +17,7 @@ BAD_S = 30.0  # a plan that costs more has one of these
 
 
 class Plan(NamedTuple):
-    """What a vessel may do until its next look around."""
+    """A vessel's way until it plans again."""
 
     via_x: float  # point to pass first [m]; NaN for none
     via_y: float
@@ -50,10 +50,10 @@ def straight_on(s: VesselState) -> Plan:
 @kernel
 def try_plan(traffic: Traffic, v: int, plan: Plan) -> float:
     """Predict a plan of vessel `v` into the last path; time of arrival [s], or `NEVER_S`."""
-    path = traffic.paths[traffic.helms.shape[0]]
+    path = traffic.paths[traffic.models.shape[0]]
     return predict(
         traffic.fleet[v],
-        traffic.helms[v],
+        traffic.models[v],
         plan.via_x,
         plan.via_y,
         plan.wait_s,
@@ -66,7 +66,7 @@ def try_plan(traffic: Traffic, v: int, plan: Plan) -> float:
 @kernel
 def plan_cost(traffic: Traffic, v: int, plan: Plan, heed_resting: bool, extra: float) -> float:
     """Cost [s] of a plan of vessel `v`, which is left in the last path."""
-    path = traffic.paths[traffic.helms.shape[0]]
+    path = traffic.paths[traffic.models.shape[0]]
     cost = try_plan(traffic, v, plan)
     if cost == NEVER_S:
         dx, dy = plan.end_x - path[SAMPLES - 1, 0], plan.end_y - path[SAMPLES - 1, 1]
@@ -74,7 +74,7 @@ def plan_cost(traffic: Traffic, v: int, plan: Plan, heed_resting: bool, extra: f
     k, _ = first_conflict(traffic, v, heed_resting, extra)
     if k != NONE:
         cost += CONFLICT_S - 2.0 * k * SAMPLE_S
-    if runs_aground(path, traffic.helms[v], traffic.land, traffic.pitch):
+    if runs_aground(path, traffic.models[v], traffic.land, traffic.pitch):
         cost += AGROUND_S
     return cost
 
@@ -83,7 +83,7 @@ def plan_cost(traffic: Traffic, v: int, plan: Plan, heed_resting: bool, extra: f
 def search_detour(traffic: Traffic, v: int, first: int, heed_resting: bool) -> tuple[float, Plan]:
     """Cheapest plan around a conflict at sample `first` of the last path, and its cost [s]."""
     s = traffic.fleet[v]
-    path = traffic.paths[traffic.helms.shape[0]]
+    path = traffic.paths[traffic.models.shape[0]]
     at_x, at_y = path[first, 0], path[first, 1]
     best, cheapest = straight_on(s), 1e9
     dx, dy = best.end_x - s.x, best.end_y - s.y

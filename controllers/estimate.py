@@ -1,32 +1,32 @@
 """Pose and drift from noisy measurements.
 
 The pose is dead reckoning on the measured velocity, drawn to the fixes. The drift, how current and
-wind together carry the hull, is what the measured velocity has over a model of the hull's own speed
-through the water.
+wind together carry the vessel, is what the measured velocity has over a model of the vessel's own
+speed through the water.
 """
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.allocation import thrust_of
 from mjforage.controllers.angles import wrapped
-from mjforage.controllers.helm import FloatArray, PackedHelm
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import FloatArray, ModelRecord
 
 LOST_M = 3.0  # a fix farther from the estimate is believed at once
 DRIFT_S = 3.0  # time constant of the drift
-SLOW_MPS = 0.4  # above this, the hull's unknown load spoils the drift along it
+SLOW_MPS = 0.4  # above this, the vessel's unknown load spoils the drift along it
 
 
 @kernel
-def surge_after(p: PackedHelm, surge: float, force: float, step_s: float) -> float:
+def surge_after(p: ModelRecord, surge: float, force: float, step_s: float) -> float:
     """Speed ahead through the water [m/s] after a step: m u' = T - d(u), drag taken implicitly."""
     drag = p.linear_surge + p.quadratic_surge * abs(surge)
     return float((p.mass_surge_kg * surge + step_s * force) / (p.mass_surge_kg + step_s * drag))
 
 
 @kernel
-def sway_after(p: PackedHelm, sway: float, surge: float, rate: float, step_s: float) -> float:
+def sway_after(p: ModelRecord, sway: float, surge: float, rate: float, step_s: float) -> float:
     """Speed to port through the water [m/s] that turning gives, after a step.
 
     m_sway v' = -m_surge u r - d(v) v, drag taken implicitly. Measured sway would not do: it has
@@ -38,11 +38,11 @@ def sway_after(p: PackedHelm, sway: float, surge: float, rate: float, step_s: fl
 
 
 @kernel
-def learn_drift(s: VesselState, p: PackedHelm, step_s: float) -> None:
+def learn_drift(s: VesselState, p: ModelRecord, step_s: float) -> None:
     """Move the modelled speeds through the water and the drift on by a step."""
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, aside = c * s.vx + t * s.vy, c * s.vy - t * s.vx
-    if s.leans != 0.0:  # what it leans on holds it, by an unknown force
+    if s.in_contact != 0.0:  # what it leans on holds it, by an unknown force
         s.surge = ahead - c * s.drift_x - t * s.drift_y
         s.sway = aside - c * s.drift_y + t * s.drift_x
         return
@@ -60,7 +60,7 @@ def learn_drift(s: VesselState, p: PackedHelm, step_s: float) -> None:
 
 @kernel
 def estimate(
-    s: VesselState, p: PackedHelm, pose: FloatArray, velocity: FloatArray, step_s: float
+    s: VesselState, p: ModelRecord, pose: FloatArray, velocity: FloatArray, step_s: float
 ) -> None:
     """Take in a pose x, y [m], yaw [rad] and a velocity over ground, world axes [m/s, rad/s]."""
     x = s.x + 0.5 * step_s * (s.vx + velocity[0])

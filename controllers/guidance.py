@@ -7,7 +7,7 @@ underactuated marine surface vessels in the presence of constant ocean currents"
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 
 
 @kernel
@@ -51,11 +51,11 @@ def ilos_rate(across: float, integral: float, kappa: float, lookahead: float) ->
 
 @kernel
 def ilos_integral(drift: float, speed: float, kappa: float, lookahead: float) -> float:
-    """y_int [s] at which a hull of `speed` through the water stays on the line.
+    """y_int [s] at which a vessel of `speed` through the water stays on the line.
 
     Parameters
     ----------
-    drift : speed to port of the line at which the surroundings carry the hull [m/s]
+    drift : speed to port of the line at which the surroundings carry the vessel [m/s]
     """
     ratio = min(max(drift / max(speed, 1e-6), -0.9), 0.9)
     return lookahead * ratio / math.sqrt(1.0 - ratio * ratio) / kappa

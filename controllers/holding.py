@@ -2,25 +2,25 @@
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import wrapped
-from mjforage.controllers.helm import PackedHelm
 from mjforage.controllers.loops import integrated
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import ModelRecord
 
 FARTHEST_M = 1.0  # a place farther away pulls no harder
-LEAST_DRIFT_MPS = 0.06  # a slower drift does not turn the hull
-SLOW_MPS = 0.3  # a hull faster than this brakes before it turns
+LEAST_DRIFT_MPS = 0.06  # a slower drift does not turn the vessel
+SLOW_MPS = 0.3  # a vessel faster than this brakes before it turns
 SWITCH_RAD = 1.9  # bow and stern change roles beyond this
 
 
 @kernel
-def hold_force(s: VesselState, p: PackedHelm, x: float, y: float) -> tuple[float, float, float]:
+def hold_force(s: VesselState, p: ModelRecord, x: float, y: float) -> tuple[float, float, float]:
     """Heading wanted [rad], surge force [N] and distance ahead [m] to stay at (x, y).
 
     A spring and a damper pull towards the place, an integral learns the steady force. Where the
-    place is more than the hold radius away, or a drift carries the hull off, bow or stern turn to
-    where the hull must go through the water: towards the place and against the drift.
+    place is more than the hold radius away, or a drift carries the vessel off, bow or stern turn to
+    where the vessel must go through the water: towards the place and against the drift.
     """
     dx, dy = x - s.x, y - s.y
     far = math.sqrt(dx * dx + dy * dy)
@@ -46,9 +46,9 @@ def hold_force(s: VesselState, p: PackedHelm, x: float, y: float) -> tuple[float
 
 @kernel
 def hold_windup(
-    s: VesselState, p: PackedHelm, ahead: float, wanted: float, given: float, step_s: float
+    s: VesselState, p: ModelRecord, ahead: float, wanted: float, given: float, step_s: float
 ) -> None:
-    """Move the integral on along the hull, knowing the force that the thrusters gave [N]."""
+    """Move the integral on along the vessel, knowing the force that the thrusters gave [N]."""
     pull = (
         p.mass_surge_kg
         * p.hold_bandwidth_radps

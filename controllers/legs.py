@@ -2,7 +2,7 @@
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import wrapped
 from mjforage.controllers.guidance import (
     along_and_across,
@@ -12,9 +12,9 @@ from mjforage.controllers.guidance import (
     los_course,
     stopping_speed,
 )
-from mjforage.controllers.helm import PackedHelm
 from mjforage.controllers.loops import turning_limit
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import ModelRecord
 
 ASTERN_HANDICAP_S = 0.5  # ahead is preferred by so much
 REACTION_S = 0.1  # of a loop at 10 Hz, added to the thruster's lag
@@ -33,7 +33,7 @@ def made_good(speed: float, along: float, across: float) -> float:
 
 
 @kernel
-def best_way(p: PackedHelm, error: float, distance: float, along: float, across: float) -> float:
+def best_way(p: ModelRecord, error: float, distance: float, along: float, across: float) -> float:
     """1 to go ahead or -1 to go astern, whichever is sooner there.
 
     Parameters
@@ -50,7 +50,7 @@ def best_way(p: PackedHelm, error: float, distance: float, along: float, across:
 
 @kernel
 def lay_leg(
-    s: VesselState, p: PackedHelm, x0: float, y0: float, x1: float, y1: float, via: bool
+    s: VesselState, p: ModelRecord, x0: float, y0: float, x1: float, y1: float, via: bool
 ) -> None:
     """Make the line from (x0, y0) to (x1, y1) the one to follow."""
     dx, dy = x1 - x0, y1 - y0
@@ -71,7 +71,7 @@ def lay_leg(
 def stemming_speed(s: VesselState, wanted: float, error: float, steer: float) -> float:
     """Speed through the water along the way [m/s] that lets no drift across the course.
 
-    While the hull turns, its way m gives U (m . n) to port n of the course, which shall undo the
+    While the vessel turns, its way m gives U (m . n) to port n of the course, which shall undo the
     drift D . n.
 
     Parameters
@@ -90,11 +90,11 @@ def stemming_speed(s: VesselState, wanted: float, error: float, steer: float) ->
 
 @kernel
 def follow_in_drift(
-    s: VesselState, p: PackedHelm, across: float, left: float, speed: float
+    s: VesselState, p: ModelRecord, across: float, left: float, speed: float
 ) -> tuple[float, float]:
-    """Heading [rad] and signed speed over ground along the hull [m/s] for a speed along the leg.
+    """Heading [rad] and signed speed over ground along the vessel [m/s] for a speed along the leg.
 
-    Ferrying: through the water the hull must make what it shall make over ground less the drift.
+    Ferrying: through the water the vessel must make what it shall make over ground less the drift.
     """
     lookahead = min(p.lookahead_m, max(left, LEAST_LOOKAHEAD_M))
     steer = los_course(s.course, across, lookahead)
@@ -110,8 +110,8 @@ def follow_in_drift(
 
 
 @kernel
-def follow_leg(s: VesselState, p: PackedHelm, step_s: float) -> tuple[float, float]:
-    """Heading [rad] and signed speed over ground along the hull [m/s] wanted."""
+def follow_leg(s: VesselState, p: ModelRecord, step_s: float) -> tuple[float, float]:
+    """Heading [rad] and signed speed over ground along the vessel [m/s] wanted."""
     along, across = along_and_across(s.x, s.y, s.leg_x, s.leg_y, s.course)
     left = s.leg_length - along
     cruise = p.cruise_ahead_mps if s.way > 0.0 else p.cruise_astern_mps

@@ -2,25 +2,25 @@
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped, wrapped
-from mjforage.controllers.helm import PackedHelm
 from mjforage.controllers.reference import heading_reference, speed_reference
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import ModelRecord
 
-MOST_LEAD_RAD = 0.35  # of the heading reference before the hull; more would be windup
+MOST_LEAD_RAD = 0.35  # of the heading reference before the vessel; more would be windup
 ASIDE = 0.12  # lengths that a turn under way may lead aside
-MOST_LEAD_S = 0.6  # of the speed reference before the hull, in seconds of its acceleration
+MOST_LEAD_S = 0.6  # of the speed reference before the vessel, in seconds of its acceleration
 
 
 @kernel
-def surge_drag(p: PackedHelm, speed: float) -> float:
-    """Drag along the hull [N] at `speed` [m/s]."""
+def surge_drag(p: ModelRecord, speed: float) -> float:
+    """Drag along the vessel [N] at `speed` [m/s]."""
     return float((p.linear_surge + p.quadratic_surge * abs(speed)) * speed)
 
 
 @kernel
-def yaw_drag(p: PackedHelm, rate: float) -> float:
+def yaw_drag(p: ModelRecord, rate: float) -> float:
     """Moment of drag [N m] at `rate` [rad/s]."""
     return float((p.linear_yaw + p.quadratic_yaw * abs(rate)) * rate)
 
@@ -36,16 +36,16 @@ def integrated(integral: float, rate: float, wanted: float, given: float, step_s
 
 
 @kernel
-def munk_moment(s: VesselState, p: PackedHelm) -> float:
-    """Moment [N m] against that of the water on a hull that moves ahead and aside."""
+def munk_moment(s: VesselState, p: ModelRecord) -> float:
+    """Moment [N m] against that of the water on a vessel that moves ahead and aside."""
     return float(p.munk_kg * s.sway * (math.cos(s.yaw) * s.vx + math.sin(s.yaw) * s.vy))
 
 
 @kernel
 def heading_moment(
-    s: VesselState, p: PackedHelm, wanted: float, most_rate: float, step_s: float
+    s: VesselState, p: ModelRecord, wanted: float, most_rate: float, step_s: float
 ) -> float:
-    """Moment [N m] that turns the hull to the heading `wanted` along its reference.
+    """Moment [N m] that turns the vessel to the heading `wanted` along its reference.
 
     N = d(r_d) r_d + m (r_d' + 2 zeta w (r_d - r) + w^2 (psi_d - psi)) + Munk moment + integral.
     """
@@ -66,7 +66,7 @@ def heading_moment(
 
 @kernel
 def heading_windup(
-    s: VesselState, p: PackedHelm, wanted: float, given: float, step_s: float
+    s: VesselState, p: ModelRecord, wanted: float, given: float, step_s: float
 ) -> None:
     """Move the heading loop's integral on, knowing the moment that the thrusters gave [N m]."""
     w, t = p.heading_bandwidth_radps, p.heading_integral_s
@@ -75,8 +75,10 @@ def heading_windup(
 
 
 @kernel
-def surge_force(s: VesselState, p: PackedHelm, speed: float, wanted: float, step_s: float) -> float:
-    """Force [N] that brings the hull from `speed` to `wanted` [m/s] along its reference."""
+def surge_force(
+    s: VesselState, p: ModelRecord, speed: float, wanted: float, step_s: float
+) -> float:
+    """Force [N] that brings the vessel from `speed` to `wanted` [m/s] along its reference."""
     reach = MOST_LEAD_S * p.acceleration_mps2
     before = clipped(s.speed_ref, speed - reach, speed + reach)
     s.speed_ref = speed_reference(before, wanted, p.acceleration_mps2, p.brake_mps2, step_s)
@@ -86,7 +88,7 @@ def surge_force(s: VesselState, p: PackedHelm, speed: float, wanted: float, step
 
 @kernel
 def surge_windup(
-    s: VesselState, p: PackedHelm, speed: float, wanted: float, given: float, step_s: float
+    s: VesselState, p: ModelRecord, speed: float, wanted: float, given: float, step_s: float
 ) -> None:
     """Move the speed loop's integral on, knowing the force that the thrusters gave [N]."""
     pull = p.mass_surge_kg * p.speed_bandwidth_radps * (s.speed_ref - speed) / p.speed_integral_s
@@ -94,7 +96,7 @@ def surge_windup(
 
 
 @kernel
-def turning_limit(p: PackedHelm, cosine: float) -> float:
+def turning_limit(p: ModelRecord, cosine: float) -> float:
     """Speed [m/s] at which the rest of a turn leads at most `ASIDE` lengths aside.
 
     Turning through e at rate r and speed u leads u/r (1 - cos e) aside; beyond 90 degrees nothing

@@ -6,17 +6,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.chart import Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
 from mjforage.controllers.estimate import estimate
-from mjforage.controllers.helm import HELM, FloatArray, Helm, HelmArray, packed
 from mjforage.controllers.prediction import NEVER_S, SAMPLES
 from mjforage.controllers.quayside import note_quays
 from mjforage.controllers.safety import limit_speeds
 from mjforage.controllers.state import HOLD, IDLE, START, STATE, TRANSIT, FleetArray, idle_state
 from mjforage.controllers.steering import change_mode, start_decision, steer
 from mjforage.controllers.traffic import plan_fleet, rank_fleet
+from mjforage.controllers.vessel_model import MODEL, FloatArray, ModelArray, VesselModel, packed
 
 OPEN_PITCH_M = 4.0  # side of a node where there is no chart
 ROOM = 0.32  # of a node's side: farthest that midships goes from the centre to pick up
@@ -28,7 +28,7 @@ class FleetArrays(NamedTuple):
     """A batch of fleets and what they know of each other, written by the pilot."""
 
     state: FleetArray  # (episode, vessel)
-    helms: HelmArray  # (vessel,)
+    models: ModelArray  # (vessel,)
     land: LandArray  # of a `Chart`
     pitch: float  # [m]
     ticks: NDArray[np.int64]  # (episode,) since the decision
@@ -37,31 +37,31 @@ class FleetArrays(NamedTuple):
 
 
 @kernel
-def _begin(fleet: FleetArray, helms: HelmArray, room: float, spare: FloatArray) -> None:
+def _begin(fleet: FleetArray, models: ModelArray, room: float, spare: FloatArray) -> None:
     """Let every vessel of an episode set out for its new decision, and rank them."""
-    for v in range(helms.shape[0]):
-        start_decision(fleet[v], helms[v], room)
-    rank_fleet(fleet, helms, spare)
+    for v in range(models.shape[0]):
+        start_decision(fleet[v], models[v], room)
+    rank_fleet(fleet, models, spare)
 
 
 @kernel
 def _steer_fleet(fleets: FleetArrays, e: int, step_s: float, commands: FloatArray) -> None:
     """One tick of episode `e` under way: change modes, plan at times, command every vessel."""
-    fleet, helms, room = fleets.state[e], fleets.helms, ROOM * fleets.pitch
+    fleet, models, room = fleets.state[e], fleets.models, ROOM * fleets.pitch
     if fleet[0].mode == START:
         fleets.ticks[e] = 0
-        _begin(fleet, helms, room, fleets.paths[helms.shape[0]])
-    for v in range(helms.shape[0]):
-        change_mode(fleet[v], helms[v])
+        _begin(fleet, models, room, fleets.paths[models.shape[0]])
+    for v in range(models.shape[0]):
+        change_mode(fleet[v], models[v])
         if fleet[v].mode == HOLD and fleet[v].rank < NEVER_S:
             fleet[v].rank = NEVER_S + v  # who has arrived makes room
-    if fleets.ticks[e] % max(round(PLAN_S / step_s), 1) == 0 and helms.shape[0] > 1:
-        plan_fleet(Traffic(fleet, helms, fleets.paths, fleets.met, fleets.land, fleets.pitch))
+    if fleets.ticks[e] % max(round(PLAN_S / step_s), 1) == 0 and models.shape[0] > 1:
+        plan_fleet(Traffic(fleet, models, fleets.paths, fleets.met, fleets.land, fleets.pitch))
     fleets.ticks[e] += 1
-    for v in range(helms.shape[0]):
-        note_quays(fleet[v], helms[v], fleets.land, fleets.pitch)
-        limit_speeds(fleet, helms, fleets.land, fleets.pitch, v)
-        port, starboard = steer(fleet[v], helms[v], room, step_s)
+    for v in range(models.shape[0]):
+        note_quays(fleet[v], models[v], fleets.land, fleets.pitch)
+        limit_speeds(fleet, models, fleets.land, fleets.pitch, v)
+        port, starboard = steer(fleet[v], models[v], room, step_s)
         commands[e, v, 0], commands[e, v, 1] = port, starboard
 
 
@@ -75,19 +75,19 @@ def _command(
     commands: FloatArray,
 ) -> None:
     """Measure and command every vessel of the active episodes; 0 for all others."""
-    state, helms = fleets.state, fleets.helms
+    state, models = fleets.state, fleets.models
     for e in range(active.size):
         commands[e] = 0.0
         if not active[e]:
             continue
-        for v in range(helms.shape[0]):
-            estimate(state[e, v], helms[v], pose[e, v], velocity[e, v], step_s)
+        for v in range(models.shape[0]):
+            estimate(state[e, v], models[v], pose[e, v], velocity[e, v], step_s)
             state[e, v].clock += step_s
         if state[e, 0].mode != IDLE:
             _steer_fleet(fleets, e, step_s, commands)
             continue
-        for v in range(helms.shape[0]):  # what it leans on is not to be taken for the water
-            limit_speeds(state[e], helms, fleets.land, fleets.pitch, v)
+        for v in range(models.shape[0]):  # what it leans on is not to be taken for the water
+            limit_speeds(state[e], models, fleets.land, fleets.pitch, v)
 
 
 class Pilot:
@@ -95,16 +95,16 @@ class Pilot:
 
     def __init__(
         self,
-        helms: Sequence[Helm],
+        models: Sequence[VesselModel],
         chart: Chart | None,
         episodes: int,
         control_s: float = 0.1,
     ) -> None:
-        """Take the helms.
+        """Take the models.
 
         Parameters
         ----------
-        helms : (vessel,) the fleet, the same in every episode
+        models : (vessel,) the fleet, the same in every episode
         chart : where quays are; None is open water
         episodes : size of the batch
         control_s : time between two calls of `command` [s]
@@ -114,16 +114,16 @@ class Pilot:
         ValueError
             If there is no vessel or no episode, or the time is not above 0.
         """
-        if not helms or episodes < 1 or not 0.0 < control_s < np.inf:
+        if not models or episodes < 1 or not 0.0 < control_s < np.inf:
             raise ValueError(
-                f"pilot: {len(helms)} vessels, {episodes} episodes, control_s {control_s}; "
+                f"pilot: {len(models)} vessels, {episodes} episodes, control_s {control_s}; "
                 "give at least one of each and seconds above 0"
             )
-        count = len(helms)
+        count = len(models)
         self._step_s = float(control_s)
         self._fleets = FleetArrays(
             state=np.zeros((episodes, count), STATE),
-            helms=np.array([packed(helm) for helm in helms], HELM),
+            models=np.array([packed(model) for model in models], MODEL),
             land=np.zeros((0, 0), np.bool_) if chart is None else chart.land,
             pitch=OPEN_PITCH_M if chart is None else float(chart.pitch_m),
             ticks=np.zeros(episodes, np.int64),
@@ -214,7 +214,7 @@ class Pilot:
 
     @property
     def giving_way(self) -> NDArray[np.bool_]:
-        """(episode, vessel) whether it is under way and held back for another hull or a quay."""
+        """(episode, vessel) whether it is under way and held back for another vessel or a quay."""
         state = self._fleets.state
         most = np.where(state["way"] > 0.0, state["most_ahead"], state["most_astern"])
         held = (state["wait"] > state["clock"]) | (most < HELD_MPS)

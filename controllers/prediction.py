@@ -1,21 +1,21 @@
-"""Where a hull will be: a coarse model of its own controllers, for planning around others."""
+"""Predicted motion: a coarse model of a vessel under its own controllers, for planning."""
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped
 from mjforage.controllers.guidance import stopping_speed
-from mjforage.controllers.helm import FloatArray, PackedHelm
 from mjforage.controllers.legs import REACTION_S, VIA_SPEED, best_way
 from mjforage.controllers.loops import turning_limit
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import FloatArray, ModelRecord
 
 SAMPLES = 40  # poses of a prediction
 SAMPLE_S = 0.25  # between two of them
 AT_M = 0.4  # from a point: there
 ARRIVAL_M = 0.9  # from the target: counts as arrived
 SETTLE_S = 0.6  # of a heading, at the end of a turn
-TURNED = 0.98  # cosine of the heading error below which a hull does not yet go astern
+TURNED = 0.98  # cosine of the heading error below which a vessel does not yet go astern
 CRUISE_SHARE = 0.93  # of the cruise speed, made good
 GAIN_SHARE = 0.7  # of the acceleration, likewise
 NEVER_S = 100.0  # time of an arrival that is not foreseen
@@ -24,7 +24,7 @@ NEVER_S = 100.0  # time of an arrival that is not foreseen
 @kernel
 def predict(
     s: VesselState,
-    p: PackedHelm,
+    p: ModelRecord,
     via_x: float,
     via_y: float,
     wait_s: float,
@@ -37,7 +37,7 @@ def predict(
     Parameters
     ----------
     via_x, via_y : point to pass first [m]; NaN for none
-    wait_s : time before the hull moves on, at the via point or, without one, where it is
+    wait_s : time before the vessel moves on, at the via point or, without one, where it is
     end_x, end_y : where it goes and stays [m]
     out : (SAMPLES, 4) x, y [m], cosine and sine of the heading, every `SAMPLE_S` from now
     """

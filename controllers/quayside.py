@@ -1,21 +1,21 @@
 """Picking up an item beside a quay: along a line on which the mouth comes to it undisturbed.
 
-At a straight quay a hull comes in as it bears, up to an angle: an oblique bow touches the quay with
-one corner first, so the item must lie the nearer to that corner the more oblique it comes. Into a
-corner of two quays a full-beam mouth fits only along one of them, the item near the edge of the
-mouth; the hull first backs off until it lies near its line. Stuck, it begins anew.
+At a straight quay a vessel comes in as it bears, up to an angle: an oblique bow touches the quay
+with one corner first, so the item must lie the nearer to that corner the more oblique it comes.
+Into a corner of two quays a full-beam mouth fits only along one of them, the item near the edge of
+the mouth; the vessel first backs off until it lies near its line. Stuck, it begins anew.
 """
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped, wrapped
 from mjforage.controllers.chart import LandArray, is_land
 from mjforage.controllers.guidance import stopping_speed
-from mjforage.controllers.helm import PackedHelm
 from mjforage.controllers.legs import REACTION_S
 from mjforage.controllers.loops import turning_limit
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import ModelRecord
 
 BESIDE_M = 0.6  # a quay nearer than that to an item is beside it
 APPROACH_MPS = 0.5  # towards an item, and backing off from it
@@ -28,13 +28,13 @@ FIXED_M = 1.0  # so near before the bow the course in is kept
 LOOKAHEAD_M, MOST_TILT_RAD = 0.8, 0.6  # of the guidance along the line
 STAND_OFF_M, NEAR_M = 2.2, 0.6  # most and least that the bow backs off from the item
 ON_LINE_M, ON_EDGE_M = 0.4, 0.15  # so near is on the line into a corner, under way and backing off
-IN_M = 1.5  # of the bow before the item: a hull under way on its line comes in from here
+IN_M = 1.5  # of the bow before the item: a vessel under way on its line comes in from here
 ALIGNED_RAD = 0.3  # so near is the heading along it
 OFF_LINE_M = 0.3  # from its line when the bow is at the item: missed
 PAST_M = 0.3  # by which the bow has missed the item
 STILL_MPS, STILL_RADPS, STUCK_S = 0.08, 0.1, 1.5  # so slow for so long is stuck
 
-SET_MPS = 0.1  # a drift onto a quay from which a hull does not come in along it
+SET_MPS = 0.1  # a drift onto a quay from which a vessel does not come in along it
 CLEARLY = 1.5  # times the drift onto the other quay, from which a course is changed for that
 
 COMING, OFF = 0.0, 1.0  # ways of `VesselState.approach`
@@ -42,18 +42,18 @@ COMING, OFF = 0.0, 1.0  # ways of `VesselState.approach`
 
 @kernel
 def is_quayed(s: VesselState) -> bool:
-    """Whether the item to pick up lies beside a quay."""
+    """True if the item to pick up lies beside a quay."""
     return bool(s.quay_x != 0.0 or s.quay_y != 0.0)
 
 
 @kernel
 def is_cornered(s: VesselState) -> bool:
-    """Whether it lies in a corner of two."""
+    """True if it lies in a corner of two."""
     return bool(s.quay_x != 0.0 and s.quay_y != 0.0)
 
 
 @kernel
-def meeting_speed(p: PackedHelm, left: float) -> float:
+def meeting_speed(p: ModelRecord, left: float) -> float:
     """Speed [m/s] towards an item `left` metres before the bow, to meet it at `CONTACT_MPS`."""
     room = left + 0.5 * CONTACT_MPS**2 / p.brake_mps2
     speed = min(p.cruise_ahead_mps, stopping_speed(room, p.brake_mps2, p.lag_s + REACTION_S))
@@ -61,7 +61,7 @@ def meeting_speed(p: PackedHelm, left: float) -> float:
 
 
 @kernel
-def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
+def note_quays(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> None:
     """Find the quays beside the item, and if they are others than before, the course to come in on.
 
     In a corner: `course_in`.
@@ -89,7 +89,7 @@ def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> 
 
 @kernel
 def sets_beside(s: VesselState) -> bool:
-    """Whether a drift sets a hull that comes into a corner onto the quay beside its course."""
+    """True if a drift sets a vessel that comes into a corner onto the quay beside its course."""
     set_east, set_north = s.drift_x * s.quay_x, s.drift_y * s.quay_y
     by_east = abs(math.cos(s.run)) > 0.5
     beside, before = (set_north, set_east) if by_east else (set_east, set_north)
@@ -97,11 +97,11 @@ def sets_beside(s: VesselState) -> bool:
 
 
 @kernel
-def course_in(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> float:
+def course_in(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> float:
     """Course [rad] into a corner: along the quay with water behind, to back off into.
 
     Of two such, towards the quay that a drift sets onto, for beside that it would be broadside;
-    without a drift the one nearer to how the hull heads and the item bears.
+    without a drift the one nearer to how the vessel heads and the item bears.
     """
     east, north = 0.5 * math.pi * (1.0 - s.quay_x), 0.5 * math.pi * s.quay_y
     room = p.length_m + STAND_OFF_M
@@ -120,7 +120,7 @@ def course_in(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> f
 
 
 @kernel
-def aim_in(s: VesselState, p: PackedHelm, new: bool) -> None:
+def aim_in(s: VesselState, p: ModelRecord, new: bool) -> None:
     """Course to a straight quay: as the item bears, at most `MOST_OBLIQUE_RAD` from square on."""
     dx, dy = s.item_x - s.x, s.item_y - s.y
     far = math.sqrt(dx * dx + dy * dy)
@@ -133,24 +133,25 @@ def aim_in(s: VesselState, p: PackedHelm, new: bool) -> None:
 
 
 @kernel
-def has_room(s: VesselState, p: PackedHelm) -> bool:
-    """Whether the hull has room left to come to its line before the quay."""
+def has_room(s: VesselState, p: ModelRecord) -> bool:
+    """True if the vessel has room left to come to its line before the quay."""
     past, across = line_to_item(s, p)
     return bool(-past > NEAR_M + abs(across))
 
 
 @kernel
-def misses(s: VesselState, p: PackedHelm) -> bool:
-    """Whether a hull that comes in passes the item by."""
+def misses(s: VesselState, p: ModelRecord) -> bool:
+    """True if a vessel that comes in passes the item by."""
     past, across = line_to_item(s, p)
     return bool(past > PAST_M or (not is_cornered(s) and abs(across) > OFF_LINE_M - past))
 
 
 @kernel
-def line_to_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
-    """Where the hull is on its line [m]: of the bow past the item, of midships to port of the line.
+def line_to_item(s: VesselState, p: ModelRecord) -> tuple[float, float]:
+    """Place on its line [m]: of the bow past the item, of midships to port of the
+    line.
 
-    In a corner the item lies `EDGE_M` within the edge of the mouth of a hull on the line; at a
+    In a corner the item lies `EDGE_M` within the edge of the mouth of a vessel on the line; at a
     straight quay near that edge which comes to the quay first.
     """
     c, t = math.cos(s.run), math.sin(s.run)
@@ -167,8 +168,8 @@ def line_to_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
 
 
 @kernel
-def comes_in(s: VesselState, p: PackedHelm) -> bool:
-    """Whether a hull under way steers for its line: into a corner only if its way is ahead."""
+def comes_in(s: VesselState, p: ModelRecord) -> bool:
+    """True if a vessel under way steers for its line: into a corner only if its way is ahead."""
     if not is_cornered(s):
         return True
     past, _ = line_to_item(s, p)
@@ -177,8 +178,8 @@ def comes_in(s: VesselState, p: PackedHelm) -> bool:
 
 
 @kernel
-def come_in(s: VesselState, p: PackedHelm) -> tuple[float, float]:
-    """Heading [rad] and speed [m/s] of a hull under way towards its line, or where it begins."""
+def come_in(s: VesselState, p: ModelRecord) -> tuple[float, float]:
+    """Heading [rad] and speed [m/s] of a vessel under way towards its line, or where it begins."""
     past, across = line_to_item(s, p)
     if is_cornered(s) and not has_room(s, p):
         return go_before(s, p, past, across)
@@ -187,7 +188,7 @@ def come_in(s: VesselState, p: PackedHelm) -> tuple[float, float]:
 
 
 @kernel
-def go_before(s: VesselState, p: PackedHelm, past: float, across: float) -> tuple[float, float]:
+def go_before(s: VesselState, p: ModelRecord, past: float, across: float) -> tuple[float, float]:
     """Heading [rad] and speed [m/s] to where the line into a corner begins, to turn there."""
     ahead = -STAND_OFF_M - past
     far = math.sqrt(ahead * ahead + across * across)
@@ -198,8 +199,8 @@ def go_before(s: VesselState, p: PackedHelm, past: float, across: float) -> tupl
 
 
 @kernel
-def speed_in(s: VesselState, p: PackedHelm, heading: float, past: float) -> float:
-    """Speed [m/s] at which the hull has turned to its line when the bow is at the item."""
+def speed_in(s: VesselState, p: ModelRecord, heading: float, past: float) -> float:
+    """Speed [m/s] at which the vessel has turned to its line when the bow is at the item."""
     left = max(-past, 0.0)
     turn = p.yaw_rate_radps * left / max(abs(wrapped(s.run - s.yaw)), 1e-3)
     now = turning_limit(p, math.cos(wrapped(heading - s.yaw)))
@@ -207,15 +208,15 @@ def speed_in(s: VesselState, p: PackedHelm, heading: float, past: float) -> floa
 
 
 @kernel
-def is_in(s: VesselState, p: PackedHelm) -> bool:
-    """Whether a hull under way is so near the item that the rest is done at the node."""
+def is_in(s: VesselState, p: ModelRecord) -> bool:
+    """True if a vessel under way is so near the item that the rest is done at the node."""
     past, across = line_to_item(s, p)
     aligned = abs(wrapped(s.run - s.yaw)) < ALIGNED_RAD and abs(across) < ON_LINE_M
     return bool(-past < IN_M and (aligned or not is_cornered(s)))
 
 
 @kernel
-def run_in(s: VesselState, p: PackedHelm, step_s: float) -> tuple[float, float]:
+def run_in(s: VesselState, p: ModelRecord, step_s: float) -> tuple[float, float]:
     """Heading [rad] and signed speed [m/s] at the node: back off to the line, and in along it."""
     past, across = line_to_item(s, p)
     still = math.sqrt(s.vx**2 + s.vy**2) < STILL_MPS and abs(s.rate) < STILL_RADPS

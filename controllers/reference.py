@@ -1,8 +1,8 @@
-"""Reference models: heading and speed that a hull can follow, on the way to what is wanted."""
+"""Reference models: heading and speed that a vessel can follow, on the way to what is wanted."""
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped, wrapped
 
 

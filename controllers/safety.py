@@ -1,37 +1,37 @@
-"""Safe speeds: how fast a hull may go and turn so that it can still stop before an obstacle.
+"""Safe speeds: how fast a vessel may go and turn so that it can still stop before an obstacle.
 
 They limit every command, whatever guidance and traffic want.
 """
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.chart import LandArray
-from mjforage.controllers.free_way import (
+from mjforage.controllers.clearance import (
     QUAYS,
     SLACK_M,
     STEP_M,
     clear_path,
-    clearance,
-    free_way,
-    gap_to,
+    clearance_to,
+    free_distance,
+    kept_clearance,
     turn_to_come,
 )
+from mjforage.controllers.contact import HULL_SHARE, NEAR_M, heed_hull, heed_land
 from mjforage.controllers.guidance import stopping_distance, stopping_speed
-from mjforage.controllers.helm import HelmArray
-from mjforage.controllers.lee import UNLIMITED, heed_lee, heed_lee_hull, windward_room
+from mjforage.controllers.lee_shore import UNLIMITED, heed_lee, heed_lee_hull, windward_room
 from mjforage.controllers.legs import REACTION_S
 from mjforage.controllers.state import HOLD, FleetArray, VesselState
-from mjforage.controllers.touching import HULL_SHARE, NEAR_M, heed_hull, heed_land
+from mjforage.controllers.vessel_model import ModelArray
 
-AHEAD, TURNED = 0.0, 1.0  # hulls as they head now, and as they will when they turn no more
+AHEAD, TURNED = 0.0, 1.0  # vessels as they head now, and as they will when they turn no more
 LEAST_TURN_RAD = 0.05  # a turn that is looked at
-PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a hull nearer than the clearance, a quay half
+PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a vessel nearer than the clearance, a quay half
 LONGEST_PATH_M = 5.0  # of another, to stop
 
 
 @kernel
 def limit_by(
     state: FleetArray,
-    helms: HelmArray,
+    models: ModelArray,
     land: LandArray,
     pitch: float,
     i: int,
@@ -40,19 +40,21 @@ def limit_by(
     reach: float,
 ) -> float:
     """Lower the fastest safe speeds of vessel `i` for the sake of the quays or another; the gap."""
-    s, p = state[i], helms[i]
-    gap, way, share = clear_path(state, helms, land, pitch, i, other, turned, reach)
+    s, p = state[i], models[i]
+    gap, way, share = clear_path(state, models, land, pitch, i, other, turned, reach)
     if gap >= reach:
         return gap
     reaction = p.lag_s + REACTION_S
     brake = p.brake_mps2 if other == QUAYS else HULL_SHARE * p.brake_mps2
     for side in (1.0, -1.0):
-        free = free_way(state, helms, land, pitch, i, other, way, side, turned, gap, reach)
+        free = free_distance(state, models, land, pitch, i, other, way, side, turned, gap, reach)
         if free >= reach:
-            if gap > (0.5 if other == QUAYS else 1.0) * clearance(s, p, other):
+            if gap > (0.5 if other == QUAYS else 1.0) * kept_clearance(s, p, other):
                 continue
             # So near, going along is safe only slowly; going away is free.
-            away = gap_to(state, helms, land, pitch, i, other, way, side * STEP_M, turned, reach)
+            away = clearance_to(
+                state, models, land, pitch, i, other, way, side * STEP_M, turned, reach
+            )
             past = PAST_QUAY_MPS if other == QUAYS else PAST_HULL_MPS
             most = UNLIMITED if away > gap + SLACK_M else past
         else:
@@ -67,20 +69,20 @@ def limit_by(
 @kernel
 def limit_going(
     state: FleetArray,
-    helms: HelmArray,
+    models: ModelArray,
     land: LandArray,
     pitch: float,
     i: int,
     other: int,
     reach: float,
 ) -> float:
-    """`limit_by` as the hulls head now and, if they turn, as they will; the gap now."""
-    gap = limit_by(state, helms, land, pitch, i, other, AHEAD, reach)
-    turn = abs(turn_to_come(state[i], helms[i]))
+    """`limit_by` as the vessels head now and, if they turn, as they will; the gap now."""
+    gap = limit_by(state, models, land, pitch, i, other, AHEAD, reach)
+    turn = abs(turn_to_come(state[i], models[i]))
     if other != QUAYS:
-        turn += abs(turn_to_come(state[other], helms[other]))
+        turn += abs(turn_to_come(state[other], models[other]))
     if turn > LEAST_TURN_RAD:
-        limit_by(state, helms, land, pitch, i, other, TURNED, reach)
+        limit_by(state, models, land, pitch, i, other, TURNED, reach)
     return gap
 
 
@@ -93,24 +95,24 @@ def settle(s: VesselState) -> None:
 
 @kernel
 def limit_speeds(
-    state: FleetArray, helms: HelmArray, land: LandArray, pitch: float, i: int
+    state: FleetArray, models: ModelArray, land: LandArray, pitch: float, i: int
 ) -> None:
     """Set the fastest safe speeds of vessel `i`, ahead, astern and turning."""
-    s, p = state[i], helms[i]
-    s.leans = s.load_port = s.load_starboard = s.lee_x = s.lee_y = 0.0
+    s, p = state[i], models[i]
+    s.in_contact = s.load_port = s.load_starboard = s.lee_x = s.lee_y = 0.0
     s.most_ahead = s.most_astern = s.most_port = s.most_starboard = UNLIMITED
     cruise = max(p.cruise_ahead_mps, p.cruise_astern_mps)
     reach = stopping_distance(cruise, p.brake_mps2, p.lag_s + REACTION_S) + p.clearance_m
-    if limit_going(state, helms, land, pitch, i, QUAYS, reach) < NEAR_M:
+    if limit_going(state, models, land, pitch, i, QUAYS, reach) < NEAR_M:
         heed_land(s, p, land, pitch)
     heed_lee(s, p, land, pitch)
     s.up = windward_room(s, p, land, pitch) if s.mode == HOLD else 0.0
     far = reach + LONGEST_PATH_M + 0.5 * p.length_m
     for j in range(state.shape[0]):
         dx, dy = abs(state[j].x - s.x), abs(state[j].y - s.y)
-        if j == i or max(dx, dy) > far + 0.5 * helms[j].length_m:
+        if j == i or max(dx, dy) > far + 0.5 * models[j].length_m:
             continue
-        if limit_going(state, helms, land, pitch, i, j, reach) < NEAR_M:
-            heed_hull(s, p, state[j], helms[j])
-        heed_lee_hull(s, p, state[j], helms[j])
+        if limit_going(state, models, land, pitch, i, j, reach) < NEAR_M:
+            heed_hull(s, p, state[j], models[j])
+        heed_lee_hull(s, p, state[j], models[j])
     settle(s)

@@ -1,4 +1,4 @@
-"""What a pilot remembers of one vessel: a record of floats, SI units, world axes."""
+"""A pilot's memory of one vessel: a record of floats, SI units, world axes."""
 
 from typing import Any, TypeAlias
 
@@ -55,9 +55,9 @@ class VesselState:
     most_astern: float
     most_port: float
     most_starboard: float
-    # 1 where it leans on a quay or a hull; moments to port and starboard with which it turns off
+    # 1 where it leans on a quay or a vessel; moments to port and starboard with which it turns off
     # against the water [N m].
-    leans: float
+    in_contact: float
     load_port: float
     load_starboard: float
     # Way to the land that its drift carries it to first, 0 if none is near [m].

@@ -2,13 +2,21 @@
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.allocation import allocate, command_for, lagged, led_command
 from mjforage.controllers.angles import clipped, wrapped
+from mjforage.controllers.collecting import (
+    can_be_ready,
+    collect_item,
+    get_ready,
+    in_room,
+    is_free,
+    meet_item,
+    meets_item,
+)
 from mjforage.controllers.guidance import along_and_across
-from mjforage.controllers.helm import PackedHelm
 from mjforage.controllers.holding import hold_force, hold_windup
-from mjforage.controllers.lee import turn_off
+from mjforage.controllers.lee_shore import evasive_turn
 from mjforage.controllers.legs import REACTION_S, follow_leg, lay_leg
 from mjforage.controllers.loops import (
     heading_moment,
@@ -19,44 +27,36 @@ from mjforage.controllers.loops import (
     surge_windup,
     yaw_drag,
 )
-from mjforage.controllers.pickup import (
-    can_be_ready,
-    get_ready,
-    in_room,
-    is_free,
-    meet_item,
-    meets_item,
-    pick_up,
-)
 from mjforage.controllers.quayside import COMING, come_in, comes_in, is_cornered, is_in, is_quayed
 from mjforage.controllers.state import HOLD, TRANSIT, VesselState
+from mjforage.controllers.vessel_model import ModelRecord
 
 AT_M = 0.3  # from its place: there
 PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
-SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
+SAFE_SHARE = 0.3  # of half the thrust, to turn a vessel that brakes for something
 LIFTED_RAD = 0.1  # off the heading wanted, from which all of the water's load is lifted
-OFF_SHARE = 1.5  # of the thrust of one side astern, to turn a hull off a lee shore
+OFF_SHARE = 1.5  # of the thrust of one side astern, to turn a vessel off a lee shore
 FOLLOWS_MPS, FOLLOWS_RADPS = 0.05, 0.05  # above limits: from there as fast as they fall
-SLOW_MPS = 0.15  # a hull slower than this is not braking
-LOOK_RAD = 1.0  # by which the heading wanted is ahead of a hull that looks round
+SLOW_MPS = 0.15  # a vessel slower than this is not braking
+LOOK_RAD = 1.0  # by which the heading wanted is ahead of a vessel that looks round
 ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
 
 
 @kernel
 def surge_speed(s: VesselState) -> float:
-    """Speed over ground along the hull [m/s]."""
+    """Speed over ground along the vessel [m/s]."""
     return float(math.cos(s.yaw) * s.vx + math.sin(s.yaw) * s.vy)
 
 
 @kernel
 def distance_to(s: VesselState, x: float, y: float) -> float:
-    """Distance from the hull to a point [m]."""
+    """Distance from the vessel to a point [m]."""
     return math.sqrt((s.x - x) ** 2 + (s.y - y) ** 2)
 
 
 @kernel
-def start_transit(s: VesselState, p: PackedHelm, x: float, y: float, via: bool) -> None:
+def start_transit(s: VesselState, p: ModelRecord, x: float, y: float, via: bool) -> None:
     """Set out from here to (x, y)."""
     lay_leg(s, p, s.x, s.y, x, y, via)
     if s.mode != TRANSIT:
@@ -66,7 +66,7 @@ def start_transit(s: VesselState, p: PackedHelm, x: float, y: float, via: bool) 
 
 
 @kernel
-def start_hold(s: VesselState, p: PackedHelm) -> None:
+def start_hold(s: VesselState, p: ModelRecord) -> None:
     """Keep position from now on, with the heading of now and the force that the drift takes."""
     if s.mode != HOLD:
         s.wanted = s.yaw
@@ -76,8 +76,8 @@ def start_hold(s: VesselState, p: PackedHelm) -> None:
 
 
 @kernel
-def start_decision(s: VesselState, p: PackedHelm, room: float) -> None:
-    """Set out for a new target: on the line between the nodes, if the hull is on it."""
+def start_decision(s: VesselState, p: ModelRecord, room: float) -> None:
+    """Set out for a new target: on the line between the nodes, if the vessel is on it."""
     x, y = s.target_x, s.target_y
     s.place_x, s.place_y, s.clock, s.wait = x, y, 0.0, 0.0
     s.stuck = s.promoted = 0.0
@@ -99,8 +99,8 @@ def start_decision(s: VesselState, p: PackedHelm, room: float) -> None:
 
 
 @kernel
-def change_mode(s: VesselState, p: PackedHelm) -> None:
-    """Change between going and keeping, by where the hull is."""
+def change_mode(s: VesselState, p: ModelRecord) -> None:
+    """Change between going and keeping, by where the vessel is."""
     if distance_to(s, s.target_x, s.target_y) < PAST_M:
         s.arrived = 1.0
     x, y = s.place_x, s.place_y
@@ -128,7 +128,7 @@ def change_mode(s: VesselState, p: PackedHelm) -> None:
 
 @kernel
 def commands(
-    s: VesselState, p: PackedHelm, port: float, starboard: float, step_s: float
+    s: VesselState, p: ModelRecord, port: float, starboard: float, step_s: float
 ) -> tuple[float, float]:
     """Commands for thrusts [N], with a lead on the thrusters' lag; keeps the state of the lag."""
     left = led_command(p, s.port, command_for(p, port), step_s)
@@ -140,16 +140,16 @@ def commands(
 
 @kernel
 def too_fast(s: VesselState, speed: float) -> bool:
-    """Whether the hull goes faster than it safely may."""
+    """True if the vessel goes faster than it safely may."""
     return bool(speed > s.most_ahead or speed < -s.most_astern)
 
 
 @kernel
-def most_gain(p: PackedHelm, speed: float, most: float) -> float:
-    """Most acceleration [m/s2] of a hull at a speed that may be `most` [m/s].
+def most_gain(p: ModelRecord, speed: float, most: float) -> float:
+    """Most acceleration [m/s2] of a vessel at a speed that may be `most` [m/s].
 
     Whoever is faster brakes, and as fast as the limit falls besides: where it is that from which a
-    hull can stop, v_max, by a v / (v_max + a t_r) of the brake a and the reaction time t_r.
+    vessel can stop, v_max, by a v / (v_max + a t_r) of the brake a and the reaction time t_r.
     """
     reaction = p.lag_s + REACTION_S
     gain = (most - speed) / reaction
@@ -160,8 +160,9 @@ def most_gain(p: PackedHelm, speed: float, most: float) -> float:
 
 
 @kernel
-def safe_force(s: VesselState, p: PackedHelm, speed: float, force: float) -> float:
-    """The part of a surge force [N] that keeps to the safe speeds, or what brings the hull to them.
+def safe_force(s: VesselState, p: ModelRecord, speed: float, force: float) -> float:
+    """The part of a surge force [N] that keeps to the safe speeds, or what brings the vessel to
+    them.
 
     That is after the thrusters' lag and a tick, or with the brake that safe speeds count on.
     """
@@ -173,7 +174,7 @@ def safe_force(s: VesselState, p: PackedHelm, speed: float, force: float) -> flo
 
 
 @kernel
-def most_spin(p: PackedHelm, rate: float, most: float) -> float:
+def most_spin(p: ModelRecord, rate: float, most: float) -> float:
     """Most acceleration [rad/s2] of a turn whose rate may be `most` [rad/s], as `most_gain`."""
     reaction = p.lag_s + REACTION_S
     gain = (most - rate) / reaction
@@ -185,7 +186,7 @@ def most_spin(p: PackedHelm, rate: float, most: float) -> float:
 
 
 @kernel
-def safe_moment(s: VesselState, p: PackedHelm, moment: float) -> float:
+def safe_moment(s: VesselState, p: ModelRecord, moment: float) -> float:
     """The part of a moment [N m] that keeps to the safe rates of turn, or what brings it there."""
     munk, inertia = munk_moment(s, p), p.inertia_yaw_kgm2
     most = yaw_drag(p, s.most_port) + inertia * most_spin(p, s.rate, s.most_port) + munk
@@ -195,11 +196,13 @@ def safe_moment(s: VesselState, p: PackedHelm, moment: float) -> float:
 
 
 @kernel
-def braking_moment(p: PackedHelm, share: float, surge: float, speed: float, moment: float) -> float:
-    """The moment [N m], less where the hull brakes.
+def braking_moment(
+    p: ModelRecord, share: float, surge: float, speed: float, moment: float
+) -> float:
+    """The moment [N m], less where the vessel brakes.
 
-    Yaw has priority in the allocation, and a hull that turns at full moment does not stop: `share`
-    1 leaves half the thrust for braking, 0 all.
+    Yaw has priority in the allocation, and a vessel that turns at full moment does not stop:
+    `share` 1 leaves half the thrust for braking, 0 all.
     """
     if surge * speed >= 0.0 or abs(speed) < SLOW_MPS:
         return moment
@@ -208,17 +211,17 @@ def braking_moment(p: PackedHelm, share: float, surge: float, speed: float, mome
 
 
 @kernel
-def most_difference(s: VesselState, p: PackedHelm, surge: float) -> float:
-    """Most difference of the two thrusts [N] that a hull turns with, for a safe surge force [N].
+def most_difference(s: VesselState, p: ModelRecord, surge: float) -> float:
+    """Most difference of the two thrusts [N] that a vessel turns with, for a safe surge force [N].
 
     Yaw has first share of the thrust, and full thrust both ways pushes ahead. So some is kept near
     a lee shore, and in contact as much as the surge needs, but for what one side gives astern. A
-    hull that leans on a lee shore turns off with all that it has.
+    vessel that leans on a lee shore turns off with all that it has.
     """
     lee = s.lee_x != 0.0 or s.lee_y != 0.0
-    if lee and s.leans == 0.0:
+    if lee and s.in_contact == 0.0:
         return -OFF_SHARE * p.thrust_low
-    if s.leans != 0.0 and not lee:
+    if s.in_contact != 0.0 and not lee:
         left = min(surge - 2.0 * p.thrust_low, 2.0 * p.thrust_high - surge)
         return max(left, -p.thrust_low)
     return p.thrust_high - p.thrust_low
@@ -226,7 +229,7 @@ def most_difference(s: VesselState, p: PackedHelm, surge: float) -> float:
 
 @kernel
 def push(
-    s: VesselState, p: PackedHelm, heading: float, surge: float, step_s: float
+    s: VesselState, p: ModelRecord, heading: float, surge: float, step_s: float
 ) -> tuple[float, float]:
     """Thrusts of port and starboard [N] towards a heading [rad], with a surge force [N], safely."""
     now = surge_speed(s)
@@ -251,11 +254,11 @@ def push(
 
 @kernel
 def drive(
-    s: VesselState, p: PackedHelm, heading: float, speed: float, step_s: float
+    s: VesselState, p: ModelRecord, heading: float, speed: float, step_s: float
 ) -> tuple[float, float]:
     """Commands towards a heading [rad] at a signed speed [m/s]."""
     now = surge_speed(s)
-    heading, speed = turn_off(s, p, heading, speed)
+    heading, speed = evasive_turn(s, p, heading, speed)
     wanted = clipped(speed, -s.most_astern, s.most_ahead)
     if too_fast(s, now):
         s.speed_ref = wanted  # braking for something does not wait for the reference
@@ -266,19 +269,19 @@ def drive(
 
 
 @kernel
-def keep(s: VesselState, p: PackedHelm, x: float, y: float, step_s: float) -> tuple[float, float]:
-    """Commands that keep the hull at (x, y)."""
+def keep(s: VesselState, p: ModelRecord, x: float, y: float, step_s: float) -> tuple[float, float]:
+    """Commands that keep the vessel at (x, y)."""
     heading, surge, ahead = hold_force(s, p, x, y)
     if s.looks != 0.0:
         s.wanted, heading = s.yaw, s.yaw + LOOK_RAD
-    heading, _ = turn_off(s, p, heading, 0.0)
+    heading, _ = evasive_turn(s, p, heading, 0.0)
     port, starboard = push(s, p, heading, surge, step_s)
     hold_windup(s, p, ahead, surge, port + starboard, step_s)
     return commands(s, p, port, starboard, step_s)
 
 
 @kernel
-def steer(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[float, float]:
+def steer(s: VesselState, p: ModelRecord, room: float, step_s: float) -> tuple[float, float]:
     """Commands of one vessel: port, starboard.
 
     Parameters
@@ -295,7 +298,7 @@ def steer(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[fl
         return drive(s, p, heading, speed, step_s)
     at_target = s.place_x == s.target_x and s.place_y == s.target_y
     if not math.isnan(s.item_x) and s.arrived != 0.0 and at_target:
-        heading, speed = pick_up(s, p, room, step_s)
+        heading, speed = collect_item(s, p, room, step_s)
         s.wanted = s.yaw
         return drive(s, p, heading, speed, step_s)
     if math.isnan(s.item_x):

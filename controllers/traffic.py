@@ -9,7 +9,7 @@ right of way by the vessel it meets, once in a decision.
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.conflicts import (
     NONE,
     Traffic,
@@ -26,10 +26,10 @@ from mjforage.controllers.detours import (
     straight_on,
     try_plan,
 )
-from mjforage.controllers.helm import FloatArray, HelmArray, PackedHelm
 from mjforage.controllers.prediction import NEVER_S, SAMPLES, predict
 from mjforage.controllers.state import HOLD, TRANSIT, FleetArray, VesselState
 from mjforage.controllers.steering import distance_to, start_transit
+from mjforage.controllers.vessel_model import FloatArray, ModelArray, ModelRecord
 
 RETURN_M = 0.15  # margin more for giving up a detour
 KEEP_M = 0.1  # margin less for keeping on as before
@@ -40,14 +40,14 @@ RINGS_M = (0.9, 1.3, 1.8)  # how far beside its target a vessel makes room
 
 
 @kernel
-def rank_fleet(fleet: FleetArray, helms: HelmArray, spare: FloatArray) -> None:
+def rank_fleet(fleet: FleetArray, models: ModelArray, spare: FloatArray) -> None:
     """Give every vessel its rank for this decision: latest arrival first, who stays last."""
     for v in range(fleet.shape[0]):
         s = fleet[v]
         x, y = s.target_x, s.target_y
         s.rank = NEVER_S + v
         if s.mode != HOLD:
-            eta = predict(s, helms[v], math.nan, math.nan, 0.0, x, y, spare)
+            eta = predict(s, models[v], math.nan, math.nan, 0.0, x, y, spare)
             s.rank = -eta - 1e-3 * distance_to(s, x, y) - 1e-6 * v
 
 
@@ -63,7 +63,7 @@ def keep_path(traffic: Traffic, v: int) -> None:
 
 @kernel
 def plan_of(s: VesselState) -> Plan:
-    """What a vessel under way is doing."""
+    """The present plan of a vessel under way."""
     via = s.via != 0.0
     x, y = (s.end_x, s.end_y) if via else (math.nan, math.nan)
     return Plan(x, y, s.wait - s.clock, s.place_x, s.place_y)
@@ -72,7 +72,7 @@ def plan_of(s: VesselState) -> Plan:
 @kernel
 def take_plan(traffic: Traffic, v: int, plan: Plan) -> None:
     """Let vessel `v` follow a new plan."""
-    s, p = traffic.fleet[v], traffic.helms[v]
+    s, p = traffic.fleet[v], traffic.models[v]
     s.wait = s.clock + plan.wait_s if plan.wait_s > 0.0 else 0.0
     try_plan(traffic, v, plan)
     keep_path(traffic, v)
@@ -97,7 +97,7 @@ def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
     Neither could go round the other alone. The second, who should have given way, counts as stuck,
     so that the first goes on heeding it.
     """
-    fleet, helms, paths = traffic.fleet, traffic.helms, traffic.paths
+    fleet, models, paths = traffic.fleet, traffic.models, traffic.paths
     a, b = fleet[v], fleet[u]
     x, y = 0.5 * (a.x + b.x), 0.5 * (a.y + b.y)
     for aside in PASSING_M:
@@ -105,12 +105,12 @@ def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
         if (plan_a.via_x - plan_b.via_x) ** 2 + (plan_a.via_y - plan_b.via_y) ** 2 < aside * aside:
             return False  # they do not meet head-on
         try_plan(traffic, u, plan_b)
-        if runs_aground(paths[-1], helms[u], traffic.land, traffic.pitch):
+        if runs_aground(paths[-1], models[u], traffic.land, traffic.pitch):
             continue
         keep_path(traffic, u)
         try_plan(traffic, v, plan_a)
-        free = not runs_aground(paths[-1], helms[v], traffic.land, traffic.pitch)
-        if free and conflict(paths[-1], paths[u], helms[v], helms[u], -KEEP_M) == NONE:
+        free = not runs_aground(paths[-1], models[v], traffic.land, traffic.pitch)
+        if free and conflict(paths[-1], paths[u], models[v], models[u], -KEEP_M) == NONE:
             take_plan(traffic, u, plan_b)
             take_plan(traffic, v, plan_a)
             a.stuck = PASSING
@@ -122,7 +122,7 @@ def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
 
 @kernel
 def goes_on(traffic: Traffic, v: int) -> bool:
-    """Whether vessel `v` can go straight on, or do what it did; it then does."""
+    """True if vessel `v` can go straight on, or do what it did; it then does."""
     s = traffic.fleet[v]
     planned = s.via != 0.0 or s.wait > s.clock
     try_plan(traffic, v, straight_on(s))
@@ -190,12 +190,12 @@ def plan_resting(traffic: Traffic, v: int) -> None:
     changed = best_x != s.place_x or best_y != s.place_y
     s.place_x, s.place_y = best_x, best_y
     if changed and distance_to(s, best_x, best_y) > 0.5:
-        start_transit(s, traffic.helms[v], best_x, best_y, False)
+        start_transit(s, traffic.models[v], best_x, best_y, False)
 
 
 @kernel
 def is_alone(traffic: Traffic, v: int) -> bool:
-    """Whether no way meets that of vessel `v`."""
+    """True if no way meets that of vessel `v`."""
     return not traffic.met[v].any()
 
 
@@ -220,7 +220,7 @@ def plan_in_order(traffic: Traffic) -> bool:
 
 
 @kernel
-def go_alone(s: VesselState, p: PackedHelm) -> None:
+def go_alone(s: VesselState, p: ModelRecord) -> None:
     """A vessel that meets nobody needs no plan."""
     s.wait = s.stuck = 0.0
     away = s.place_x != s.target_x or s.place_y != s.target_y
@@ -232,17 +232,17 @@ def go_alone(s: VesselState, p: PackedHelm) -> None:
 @kernel
 def plan_fleet(traffic: Traffic) -> None:
     """Choose the plans of all vessels of one episode."""
-    fleet, helms, met = traffic.fleet, traffic.helms, traffic.met
+    fleet, models, met = traffic.fleet, traffic.models, traffic.met
     n, some = fleet.shape[0], False
     for i in range(n):
         met[i, i] = 0.0
         for j in range(i):
-            near = ways_meet(fleet, helms, i, j)
+            near = ways_meet(fleet, models, i, j)
             met[i, j] = met[j, i] = 1.0 if near else 0.0
             some = some or near
     for v in range(n):
         if is_alone(traffic, v):
-            go_alone(fleet[v], helms[v])
+            go_alone(fleet[v], models[v])
         elif fleet[v].mode == HOLD or fleet[v].stuck != 0.0:
             try_plan(traffic, v, plan_of(fleet[v]))  # others look at these before they are planned
             keep_path(traffic, v)

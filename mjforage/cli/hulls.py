@@ -130,7 +130,7 @@ def vessels(vessel: str | None = None, /) -> None:
         Name of a shipped vessel, so that `mjforage vessels scout > my_boat.toml` copies its file,
         or path of yours; without a `[control]` table it is printed with the one that is used then.
     """
-    from mjforage.physics.vessel_helm import control_table
+    from mjforage.physics.vessel_models import control_table
     from mjforage.physics.vessels import load_vessel
     from mjforage.scenario.vessel_files import vessel_names, vessel_path
 

@@ -18,7 +18,7 @@ def validate(vessel: str, /) -> None:
     vessel
         A vessel (see `mjforage vessels`) or path of a TOML file.
     """
-    from mjforage.physics.foretold import foretold_of_hull
+    from mjforage.physics.run_warnings import vessel_warnings
     from mjforage.physics.vessel_checks import measures_of, shown
     from mjforage.physics.vessels import load_vessel
 
@@ -30,7 +30,7 @@ def validate(vessel: str, /) -> None:
         result, style = ("passed", None) if measure.passed else ("failed", "red")
         table.add_row(measure.what, value, measure.limit, result, style=style)
     print_table(table)
-    for line in foretold_of_hull(loaded, 0.0, 0.1):
+    for line in vessel_warnings(loaded, 0.0, 0.1):
         output.print(f"note: {line}", soft_wrap=True)
     if not all(measure.passed for measure in measures):
         sys.exit(FAILED_CODE)

@@ -1,7 +1,7 @@
 """A load on the physics: a fleet driven at random through the default port.
 
-Two scouts, two foragers and 75 items, under wind and changing commands, so that hulls and items lie
-against quays.
+Two scouts, two foragers and 75 items, under wind and changing commands, so that vessels and items
+lie against quays.
 """
 
 import numpy as np

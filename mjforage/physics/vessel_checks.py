@@ -191,7 +191,7 @@ def coasting_error(vessel: Vessel, integrator: Integrator, load: float = 0.0) ->
 
 
 def measures_of(vessel: Vessel) -> list[Measure]:
-    """What a vessel does, with the limits of a sound one.
+    """Measures of a vessel's motion, with the limits of a sound one.
 
     At rest it stays; coasting it loses energy and follows the closed form; hard manoeuvres agree
     with those in time steps of 0.0025 s.

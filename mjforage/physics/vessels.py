@@ -1,4 +1,4 @@
-"""What a vessel is: its parameters with units and ranges, and whether a body can have them.
+"""A vessel's parameters with units and ranges, and checks that a body can have them.
 
 The schema of a vessel file, strict TOML. Everything refers to midships, in the body frame
 x forward, y port, z up; coefficients are magnitudes, so the marine tables (x forward, y starboard,
@@ -25,7 +25,7 @@ class CrossFlow:
 
     kind: Literal["integrated", "strips-otter"]
     """``integrated`` over the length; ``strips-otter``: 21 strips of length/20, their ends half a
-    strip outside the hull, as in the Otter's reference model (5 % too much sway drag)."""
+    strip outside the vessel, as in the Otter's reference model (5 % too much sway drag)."""
     coefficient: Annotated[float, positive("1", 10)]
     """Two-dimensional drag coefficient Cd."""
     draft_m: Annotated[float, positive("m", 100)]
@@ -117,13 +117,13 @@ class Windage:
 
     @property
     def any(self) -> bool:
-        """Whether there is an area that the wind meets."""
+        """True if there is an area that the wind meets."""
         return self.area_front_m2 > 0.0 or self.area_side_m2 > 0.0
 
 
 @dataclass(frozen=True)
 class Load:
-    """What every collected item adds; its weight is carried at midships."""
+    """Mass and drag that every collected item adds; its weight is carried at midships."""
 
     mass_per_item_kg: Annotated[float, Quantity("kg", 0.0, 1e4)]
     """Mass of an item on board."""
@@ -133,7 +133,7 @@ class Load:
 
 @dataclass(frozen=True)
 class Power:
-    """What the vessel draws from its battery: both thrusters, and all else that is on board."""
+    """Power drawn from the battery: both thrusters, and all else that is on board."""
 
     propeller_m: Annotated[float, positive("m", 10)]
     """Diameter of each propeller."""
@@ -145,7 +145,7 @@ class Power:
 
 @dataclass(frozen=True)
 class Control:
-    """Tuning of the hull's controllers (see `controllers`)."""
+    """Tuning of the vessel's controllers (see `controllers`)."""
 
     cruise_ahead_mps: Annotated[float, positive("m/s", 100)]
     """Speed over ground on a long leg ahead."""
@@ -178,9 +178,9 @@ class Control:
     hold_integral_s: Annotated[float, positive("s", 1e4)]
     """Integral time of keeping position."""
     hold_radius_m: Annotated[float, positive("m", 1e3)]
-    """How far beside its place a hull may lie before it turns."""
+    """How far beside its place a vessel may lie before it turns."""
     clearance_m: Annotated[float, Quantity("m", 0.0, 1e3)]
-    """Distance to keep to other hulls and quays."""
+    """Distance to keep to other vessels and quays."""
     filter_s: Annotated[float, Quantity("s", 0.0, 1e3)]
     """Time constant of the filters on measured position and heading."""
 
@@ -195,18 +195,18 @@ class Vessel:
     """One parameter set.
 
     Absent tables: no cross-flow drag, no wind load, no load, the least power of propellers of
-    0.2 m, and a tuning that `physics.helm` works out.
+    0.2 m, and a tuning that `physics.model` works out.
     """
 
     name: Annotated[str, NotInFile()]
     description: str
     """What the vessel is, in a line."""
     length_m: Annotated[float, positive("m", 1e3)]
-    """Length of the hull."""
+    """Length of the vessel."""
     beam_m: Annotated[float, positive("m", 1e3)]
-    """Width of the hull."""
+    """Width of the vessel."""
     draft_m: Annotated[float, positive("m", 100)]
-    """Draught of the hull."""
+    """Draught of the vessel."""
     mass_kg: Annotated[float, positive("kg", 1e8)]
     """Mass of the rigid body, payload included."""
     cog_x_m: Annotated[float, Quantity("m", -1e3, 1e3)]
@@ -263,7 +263,7 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
 
 
 def check_vessel(vessel: Vessel, where: str) -> None:
-    """What no single range can say: inertia, damping and thrust belong together.
+    """Check inertia, damping and thrust together, which no single range can.
 
     Raises
     ------

@@ -21,7 +21,7 @@ from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.mission.mission_metrics.known import course_metrics
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
-from mjforage.physics.foretold import foretold
+from mjforage.physics.run_warnings import run_warnings
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.assignments import Assignment, Episode, replay_is_kept
 from mjforage.runs.costs import Invocation, costs_content
@@ -297,7 +297,7 @@ def _carried_out(
 
 def _foretell(runs: Sequence[Run]) -> None:
     """Say of runs that begin what their worlds and hulls do not feel and cannot do, a line once."""
-    lines = (line for run in runs for line in foretold(run.setup, run.worlds))
+    lines = (line for run in runs for line in run_warnings(run.setup, run.worlds))
     for line in dict.fromkeys(lines):
         _logger.warning("%s", line)
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import write_bytes
-from mjforage.physics.calibration import Trials, taken_in
+from mjforage.physics.calibration import Trials, collected_in
 from mjforage.physics.calibration.drawing import MIDDLE_M, REST_M
 from mjforage.physics.calibration.ground import PITCH_M, SENSORS
 from tests.controllers.proving_ground import say
@@ -89,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sensors = replace(SENSORS, camera_noise_m=noise_m)
         for place in PLACES:
             drawn = place(np.random.default_rng(chosen.seed), chosen.trials)
-            decision = taken_in("forager", drawn, 3, chosen.seed, sensors)
+            decision = collected_in("forager", drawn, 3, chosen.seed, sensors)
             shares = [float(np.mean(decision <= last)) for last in range(3)]
             words = ", ".join(f"{share:.2f}" for share in shares)
             say(f"{noise_m:g} m, {place.__name__}: {words} within 10, 20, 30 s")

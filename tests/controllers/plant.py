@@ -10,7 +10,7 @@ from mjforage.controllers import Pilot
 from mjforage.controllers.state import STATE, VesselState
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import Vessel
 from mjforage.physics.weather.field import Field
 from mjforage.physics.weather.settings import WeatherSettings
@@ -81,7 +81,7 @@ def sail(
     """
     n = yaws.size
     simulation = Simulation(build_scene([vessel]), n)
-    pilot, rng = Pilot([helm_of(vessel)], None, n), np.random.default_rng(5)
+    pilot, rng = Pilot([vessel_model(vessel)], None, n), np.random.default_rng(5)
     field = Field.create(weather, episode_keys(3, np.arange(n)))
     pose = np.zeros((n, 1, 3))
     pose[:, 0, :2], pose[:, 0, 2] = start, yaws

@@ -9,7 +9,7 @@ import numpy as np
 
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import (
     CALM,
@@ -68,8 +68,8 @@ def turning(name: str) -> None:
     """Half a turn from rest: equal thrusts ahead and astern, and all that the thrusters have."""
     vessel = load_vessel(name)
     low, high = vessel.thruster.command_range
-    helm = helm_of(vessel)
-    even = (helm.k_astern / helm.k_ahead) ** (1.0 / helm.exponent) * -low
+    model = vessel_model(vessel)
+    even = (model.k_astern / model.k_ahead) ** (1.0 / model.exponent) * -low
     for label, starboard in (("on the spot", min(even, high)), ("with all thrust", high)):
         simulation = Simulation(build_scene([vessel]))
         turned, before, ticks = 0.0, 0.0, 0

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from mjforage.controllers.allocation import allocate, command_for, lagged, led_command, thrust_of
-from mjforage.controllers.helm import packed
+from mjforage.controllers.vessel_model import packed
 from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.thruster import thrust
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 
 SCOUT, FORAGER = load_vessel("scout"), load_vessel("forager")
-P_SCOUT, P_FORAGER = packed(helm_of(SCOUT)), packed(helm_of(FORAGER))
+P_SCOUT, P_FORAGER = packed(vessel_model(SCOUT)), packed(vessel_model(FORAGER))
 
 
 def test_inside_the_limits_both_wishes_are_met() -> None:

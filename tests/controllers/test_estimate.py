@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from mjforage.controllers.estimate import estimate, surge_after, sway_after
-from mjforage.controllers.helm import packed
 from mjforage.controllers.state import VesselState
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.controllers.vessel_model import packed
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import blank
 
-P = packed(helm_of(load_vessel("forager")))
+P = packed(vessel_model(load_vessel("forager")))
 
 
 def after(ticks: int, noise_m: float = 0.0, yaw: float = 0.0, **velocity: float) -> VesselState:

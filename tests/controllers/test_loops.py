@@ -1,6 +1,5 @@
 import pytest
 
-from mjforage.controllers.helm import packed
 from mjforage.controllers.loops import (
     MOST_LEAD_S,
     heading_moment,
@@ -12,11 +11,12 @@ from mjforage.controllers.loops import (
     turning_limit,
 )
 from mjforage.controllers.steering import braking_moment
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.controllers.vessel_model import packed
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import blank
 
-P = packed(helm_of(load_vessel("scout")))
+P = packed(vessel_model(load_vessel("scout")))
 
 
 def test_surge_force_is_drag_and_acceleration() -> None:

@@ -5,10 +5,10 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.controllers import Chart, Pilot
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 
-HELMS = [helm_of(load_vessel(name)) for name in ("scout", "forager")]
+MODELS = [vessel_model(load_vessel(name)) for name in ("scout", "forager")]
 CHART = Chart(np.ones((6, 6), np.bool_), 4.0)
 Commands = NDArray[np.float64]
 
@@ -38,24 +38,24 @@ def commands(pilot: Pilot, case: dict[str, NDArray[np.float64]], ticks: int = 25
 
 
 def test_commands_are_in_range_and_not_all_the_same() -> None:
-    found = commands(Pilot(HELMS, CHART, 40), cases(40))
-    for v, helm in enumerate(HELMS):
-        assert helm.command_low <= found[..., v, :].min() < -0.2 * helm.command_high
-        assert 0.5 * helm.command_high < found[..., v, :].max() <= helm.command_high
+    found = commands(Pilot(MODELS, CHART, 40), cases(40))
+    for v, model in enumerate(MODELS):
+        assert model.command_low <= found[..., v, :].min() < -0.2 * model.command_high
+        assert 0.5 * model.command_high < found[..., v, :].max() <= model.command_high
 
 
 def test_an_episode_is_the_same_alone_and_in_any_batch() -> None:
     every = cases(40)
-    together = commands(Pilot(HELMS, CHART, 40), every)
+    together = commands(Pilot(MODELS, CHART, 40), every)
     for e in (0, 7, 39):
-        alone = commands(Pilot(HELMS, CHART, 1), {k: a[e : e + 1] for k, a in every.items()})
+        alone = commands(Pilot(MODELS, CHART, 1), {k: a[e : e + 1] for k, a in every.items()})
         np.testing.assert_array_equal(alone[:, 0], together[:, e])
-    back = commands(Pilot(HELMS, CHART, 40), {k: a[::-1] for k, a in every.items()})
+    back = commands(Pilot(MODELS, CHART, 40), {k: a[::-1] for k, a in every.items()})
     np.testing.assert_array_equal(back[:, ::-1], together)
 
 
 def test_reset_forgets() -> None:
-    pilot, case = Pilot(HELMS, CHART, 4), cases(4)
+    pilot, case = Pilot(MODELS, CHART, 4), cases(4)
     first = commands(pilot, case)
     assert (commands(pilot, case) != first).any()
     pilot.reset(np.array([1, 3]))
@@ -67,7 +67,7 @@ def test_reset_forgets() -> None:
 
 def test_inactive_episodes_get_nothing_and_keep_what_they_know() -> None:
     """An order for the first episode alone leaves the second at what it was told before."""
-    pilots, case = [Pilot(HELMS, CHART, 2) for _ in range(2)], cases(2)
+    pilots, case = [Pilot(MODELS, CHART, 2) for _ in range(2)], cases(2)
     for pilot in pilots:
         assert commands(pilot, case).any()
     first = np.array([True, False])
@@ -84,19 +84,19 @@ def test_inactive_episodes_get_nothing_and_keep_what_they_know() -> None:
 
 
 def test_a_stay_at_the_place_needs_no_thrust() -> None:
-    pilot, here = Pilot(HELMS, None, 1), np.array([[[0.0, 0.0], [8.0, 0.0]]])
+    pilot, here = Pilot(MODELS, None, 1), np.array([[[0.0, 0.0], [8.0, 0.0]]])
     pilot.order(np.ones(1, np.bool_), here, here, np.ones((1, 2), np.bool_))
     pose = np.concatenate((here, np.zeros((1, 2, 1))), axis=2)
     assert not pilot.command(np.ones(1, np.bool_), pose, np.zeros((1, 2, 3))).any()
 
 
 def test_before_the_first_order_nothing_moves() -> None:
-    pilot, case = Pilot(HELMS, CHART, 3), cases(3)
+    pilot, case = Pilot(MODELS, CHART, 3), cases(3)
     assert not pilot.command(np.ones(3, np.bool_), case["pose"], case["velocity"]).any()
 
 
 def test_nobody_gives_way_on_open_water_alone() -> None:
-    pilot, case = Pilot(HELMS[:1], None, 5), {k: a[:, :1] for k, a in cases(5).items()}
+    pilot, case = Pilot(MODELS[:1], None, 5), {k: a[:, :1] for k, a in cases(5).items()}
     pilot.order(np.ones(5, np.bool_), case["origin"], case["target"], np.zeros((5, 1), np.bool_))
     pilot.command(np.ones(5, np.bool_), case["pose"], case["velocity"])
     assert not pilot.giving_way.any()
@@ -104,7 +104,7 @@ def test_nobody_gives_way_on_open_water_alone() -> None:
 
 def test_who_waits_gives_way() -> None:
     """Bow to bow at a metre, both told to go on: at least one is held back."""
-    pilot, to = Pilot(HELMS[:1] * 2, None, 1), np.array([[[8.0, 0.0], [-8.0, 0.0]]])
+    pilot, to = Pilot(MODELS[:1] * 2, None, 1), np.array([[[8.0, 0.0], [-8.0, 0.0]]])
     pose = np.array([[[-1.2, 0.0, 0.0], [1.2, 0.0, np.pi]]])
     active = np.ones(1, np.bool_)
     pilot.order(active, pose[..., :2].copy(), to, np.zeros((1, 2), np.bool_))
@@ -114,7 +114,7 @@ def test_who_waits_gives_way() -> None:
 
 @pytest.mark.parametrize(("other", "gives_way"), [(1.4, True), (-1.4, False)])
 def test_who_goes_ahead_gives_way_to_what_lies_ahead(other: float, gives_way: bool) -> None:
-    pilot, active = Pilot(HELMS[:1] * 2, None, 1), np.ones(1, np.bool_)
+    pilot, active = Pilot(MODELS[:1] * 2, None, 1), np.ones(1, np.bool_)
     pose = np.array([[[0.0, 0.0, 0.0], [other, 0.0, 0.0]]])
     to = np.array([[[8.0, 0.0], [other, 0.0]]])
     pilot.order(active, pose[..., :2].copy(), to, np.array([[False, True]]))
@@ -122,12 +122,12 @@ def test_who_goes_ahead_gives_way_to_what_lies_ahead(other: float, gives_way: bo
     assert pilot.giving_way.tolist() == [[gives_way, False]]
 
 
-@pytest.mark.parametrize(("helms", "episodes", "control_s"), [([], 1, 0.1), (HELMS, 0, 0.1)])
-def test_nothing_to_steer_is_refused(helms: list[object], episodes: int, control_s: float) -> None:
+@pytest.mark.parametrize(("models", "episodes", "control_s"), [([], 1, 0.1), (MODELS, 0, 0.1)])
+def test_nothing_to_steer_is_refused(models: list[object], episodes: int, control_s: float) -> None:
     with pytest.raises(ValueError, match="pilot: "):
-        Pilot(helms, None, episodes, control_s)  # type: ignore[arg-type]
+        Pilot(models, None, episodes, control_s)  # type: ignore[arg-type]
 
 
 def test_a_time_step_of_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match=r"control_s 0\.0"):
-        Pilot(HELMS, None, 1, 0.0)
+        Pilot(MODELS, None, 1, 0.0)

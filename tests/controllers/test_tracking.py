@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from mjforage.controllers.estimate import estimate
-from mjforage.controllers.helm import packed
 from mjforage.controllers.steering import drive
+from mjforage.controllers.vessel_model import packed
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import CALM, FloatArray, beam_gusts, blank, cross_current, sail
@@ -61,7 +61,7 @@ def test_after_a_corner_a_hull_comes_back_to_its_leg(
 def heading_step(name: str, speed: float, load: float = 0.0) -> FloatArray:
     """(tick,) heading [deg] of a hull told to turn by 90 degrees at a speed, after 5 s of that."""
     vessel = load_vessel(name)
-    p, s = packed(helm_of(vessel)), blank()
+    p, s = packed(vessel_model(vessel)), blank()
     s.most_ahead = s.most_astern = s.most_port = s.most_starboard = 1e3
     simulation, headings = Simulation(build_scene([vessel])), []
     simulation.load[:] = load

@@ -9,20 +9,23 @@ from numpy.typing import NDArray
 from mjforage.controllers.chart import Chart
 from mjforage.controllers.conflicts import NONE, Traffic, conflict, runs_aground
 from mjforage.controllers.detours import straight_on
-from mjforage.controllers.helm import HELM, PackedHelm, packed
-from mjforage.controllers.lee import UNLIMITED
+from mjforage.controllers.lee_shore import UNLIMITED
 from mjforage.controllers.legs import REACTION_S, lay_leg
 from mjforage.controllers.prediction import SAMPLE_S, SAMPLES, predict
 from mjforage.controllers.safety import limit_speeds
 from mjforage.controllers.state import STATE, VesselState
 from mjforage.controllers.steering import start_decision
 from mjforage.controllers.traffic import plan_fleet, rank_fleet
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.controllers.vessel_model import MODEL, ModelRecord, packed
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import blank, sail
 from tests.graph_planner.charts import grid
 
-FORAGER, SCOUT = packed(helm_of(load_vessel("forager"))), packed(helm_of(load_vessel("scout")))
+FORAGER, SCOUT = (
+    packed(vessel_model(load_vessel("forager"))),
+    packed(vessel_model(load_vessel("scout"))),
+)
 OPEN = np.zeros((0, 0), np.bool_)
 
 
@@ -34,26 +37,26 @@ def hull(x: float, y: float, yaw: float = 0.0, speed: float = 0.0) -> VesselStat
     return s
 
 
-def ordered(s: VesselState, p: PackedHelm, x: float, y: float) -> VesselState:
+def ordered(s: VesselState, p: ModelRecord, x: float, y: float) -> VesselState:
     """The hull at the start of its decision to go to (x, y), or to stay there."""
     s.origin_x, s.origin_y, s.target_x, s.target_y = s.x, s.y, x, y
     start_decision(s, p, 1.3)
     return s
 
 
-def traffic(*hulls: VesselState, helm: PackedHelm = FORAGER, land: object = OPEN) -> Traffic:
+def traffic(*hulls: VesselState, model: ModelRecord = FORAGER, land: object = OPEN) -> Traffic:
     fleet, n = np.array([*hulls], STATE), len(hulls)
-    helms = np.array([helm] * n, HELM)
-    rank_fleet(fleet, helms, np.zeros((SAMPLES, 4)))
+    models = np.array([model] * n, MODEL)
+    rank_fleet(fleet, models, np.zeros((SAMPLES, 4)))
     paths = np.zeros((n + 1, SAMPLES, 4))
-    return Traffic(fleet, helms, paths, np.zeros((n, n)), np.asarray(land, np.bool_), 4.0)
+    return Traffic(fleet, models, paths, np.zeros((n, n)), np.asarray(land, np.bool_), 4.0)
 
 
 @pytest.mark.parametrize("name", ["scout", "forager"])
 def test_predicted_arrivals_are_those_of_the_hull_within_a_second_or_so(name: str) -> None:
     vessel, yaws, path = load_vessel(name), np.radians([0.0, 70.0, 140.0]), np.zeros((SAMPLES, 4))
     true = sail(vessel, yaws, (4.0, 4.0), 12.0).first_within((4.0, 4.0), 1.0)
-    p = packed(helm_of(vessel))
+    p = packed(vessel_model(vessel))
     for yaw, arrival in zip(yaws, true, strict=True):
         said = predict(hull(0.0, 0.0, yaw), p, math.nan, math.nan, 0.0, 4.0, 4.0, path)
         assert arrival - 1.3 < said < arrival + 0.5
@@ -95,16 +98,16 @@ def test_who_arrives_last_goes_first_and_who_stays_comes_last() -> None:
     assert rank[1] < rank[0] < rank[2]
 
 
-@pytest.mark.parametrize(("helm", "far"), [(FORAGER, 8.0), (SCOUT, 4.0), (SCOUT, 8.0)])
-def test_a_swap_is_planned_round_each_other(helm: PackedHelm, far: float) -> None:
+@pytest.mark.parametrize(("model", "far"), [(FORAGER, 8.0), (SCOUT, 4.0), (SCOUT, 8.0)])
+def test_a_swap_is_planned_round_each_other(model: ModelRecord, far: float) -> None:
     now = traffic(
-        ordered(hull(0.0, 0.0), helm, far, 0.0),
-        ordered(hull(far, 0.0, math.pi), helm, 0.0, 0.0),
-        helm=helm,
+        ordered(hull(0.0, 0.0), model, far, 0.0),
+        ordered(hull(far, 0.0, math.pi), model, 0.0, 0.0),
+        model=model,
     )
     plan_fleet(now)
     assert now.fleet["via"].any()
-    assert conflict(now.paths[0], now.paths[1], helm, helm, 0.0) == NONE
+    assert conflict(now.paths[0], now.paths[1], model, model, 0.0) == NONE
 
 
 def test_who_cannot_pass_alone_is_met_halfway() -> None:
@@ -112,7 +115,7 @@ def test_who_cannot_pass_alone_is_met_halfway() -> None:
     now = traffic(
         ordered(hull(0.0, 0.0), SCOUT, 4.0, 0.0),
         ordered(hull(4.0, 0.0, math.pi), SCOUT, 0.0, 0.0),
-        helm=SCOUT,
+        model=SCOUT,
     )
     plan_fleet(now)
     assert now.fleet["via"].all()
@@ -134,7 +137,7 @@ def test_a_hull_at_rest_makes_room_in_a_corridor() -> None:
     now = traffic(
         ordered(hull(0.0, 0.0), SCOUT, 8.0, 0.0),
         ordered(hull(4.0, 0.0), SCOUT, 4.0, 0.0),
-        helm=SCOUT,
+        model=SCOUT,
         land=land,
     )
     plan_fleet(now)
@@ -146,7 +149,7 @@ def test_a_hull_at_rest_makes_room_in_a_corridor() -> None:
 def limits(*hulls: VesselState) -> NDArray[np.float64]:
     """Fastest safe speeds ahead and astern of the first scout, on open water."""
     fleet = np.array([*hulls], STATE)
-    limit_speeds(fleet, np.array([SCOUT] * len(hulls), HELM), OPEN, 4.0, 0)
+    limit_speeds(fleet, np.array([SCOUT] * len(hulls), MODEL), OPEN, 4.0, 0)
     return np.array([fleet[0].most_ahead, fleet[0].most_astern])
 
 
@@ -189,7 +192,7 @@ def test_a_hull_beside_another_turns_by_the_size_of_that_one() -> None:
     for other in (SCOUT, FORAGER):
         beside = hull(0.0, 0.1 + 0.5 * (SCOUT.beam_m + FORAGER.beam_m))
         fleet = np.array([hull(0.0, 0.0), beside], STATE)
-        limit_speeds(fleet, np.array([SCOUT, other], HELM), OPEN, 4.0, 0)
+        limit_speeds(fleet, np.array([SCOUT, other], MODEL), OPEN, 4.0, 0)
         turns.append(fleet[0].most_port)
     assert turns[1] < 0.9 * turns[0]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mjforage.controllers import Pilot
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.physics.dynamics.picking import MOUTH_DEPTH_M, MOUTH_REACH_M
+from mjforage.physics.dynamics.collecting import MOUTH_DEPTH_M, MOUTH_REACH_M
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings

@@ -14,7 +14,7 @@ from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver
 from mjforage.physics.dynamics.touch import touches
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.physics.weather.field import Field
 from mjforage.physics.weather.settings import WeatherSettings
@@ -126,7 +126,7 @@ class Walk:
         scene = build_scene(vessels, navigable=graph.navigable, pitch_m=graph.pitch_m)
         self.simulation = Simulation(scene, episodes)
         self.chart = Chart(graph.navigable, graph.pitch_m)
-        self.pilot = Pilot([helm_of(vessel) for vessel in vessels], self.chart, episodes)
+        self.pilot = Pilot([vessel_model(vessel) for vessel in vessels], self.chart, episodes)
         self.field = Field.create(weather, self.keys)
         self.size = np.array([[0.5 * vessel.length_m, 0.5 * vessel.beam_m] for vessel in vessels])
         self.centres = graph.metres(np.stack((graph.rows, graph.cols), axis=1).astype(np.float64))

@@ -16,7 +16,7 @@ from mjforage.learning.environments.harbour_figure import check_camera
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.learning.environments.spaces import DTYPES
 from mjforage.mission.setup import Setup
-from mjforage.physics.foretold import foretold
+from mjforage.physics.run_warnings import run_warnings
 from mjforage.physics.worlds import WORLDS
 from mjforage.scenario.scenario import Scenario
 
@@ -75,7 +75,7 @@ class EnvironmentOptions:
         check_camera(self.camera, self.world, self.render_mode)
         object.__setattr__(self, "observation", encoder_label(self.observation))
         object.__setattr__(self, "setup", chosen_setup(self.scenario, self.map, self.set))
-        for line in foretold(self.setup, (self.world,)):
+        for line in run_warnings(self.setup, (self.world,)):
             warn_once(line)
         weights = PUBLISHED if self.reward is None else self.reward
         object.__setattr__(self, "weights", checked_weights(weights))

@@ -18,8 +18,8 @@ from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.rewards import checked_names
 from mjforage.learning.environments.screen import RENDER_MODES, Screen, metadata_here
 from mjforage.learning.environments.waypoint_track import TICK_S, WaypointTrack
-from mjforage.physics.foretold import foretold_of_hull
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.run_warnings import vessel_warnings
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather import WeatherSettings
 
@@ -102,7 +102,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         self.render_mode, self._screen = render_mode, Screen(render_mode, self._drawn)
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
         self._track = WaypointTrack(load_vessel(str(vessel)), weather, WAYPOINTS)
-        for line in foretold_of_hull(self._track.vessel, wind_mps, TICK_S, STEP_REMEDY):
+        for line in vessel_warnings(self._track.vessel, wind_mps, TICK_S, STEP_REMEDY):
             warn_once(f"vessel {self._track.vessel.name}: {line}")
         self._low, self._high = self._track.vessel.thruster.command_range
         self._way: list[tuple[float, float]] = []  # empty until the first reset
@@ -173,7 +173,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
     def builtin_pilot(self) -> Pilot:
         """The built-in controller of the hull, with its orders for the present waypoint."""
         checked_started(bool(self._way), "builtin_pilot")
-        pilot = Pilot([helm_of(self._track.vessel)], None, 1, TICK_S)
+        pilot = Pilot([vessel_model(self._track.vessel)], None, 1, TICK_S)
         self._order(pilot)
         return pilot
 

@@ -1,6 +1,6 @@
-"""How surely a hull picks up, measured: lone hulls and items at rest."""
+"""Capture probability of a vessel, measured: lone vessels and items at rest."""
 
-from mjforage.physics.calibration.ground import Trials, taken_in
+from mjforage.physics.calibration.ground import Trials, collected_in
 from mjforage.physics.calibration.measuring import calibrate
 
-__all__ = ["Trials", "calibrate", "taken_in"]
+__all__ = ["Trials", "calibrate", "collected_in"]

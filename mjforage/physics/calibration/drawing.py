@@ -1,4 +1,4 @@
-"""Where trials begin: hulls anywhere they float free, items at rest, beside quays or not."""
+"""Starts of trials: vessels anywhere they float free, items at rest, beside quays or not."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +12,18 @@ FloatArray = NDArray[np.float64]
 MIDDLE_M = 0.5 * (SIDE - 1) * PITCH_M  # centre of the basin's middle node, on both axes
 REST_M = (1.85, 1.9)  # from a node's centre, of the middle of an item that rests at its quay
 REACH_M = 1.95  # the same at most, along a quay or without one
-FREE_M = 0.12  # around a hull at first; more than the radius of an item
+FREE_M = 0.12  # around a vessel at first; more than the radius of an item
 
 
 def draw(
     rng: np.random.Generator, vessel: Vessel, quays: Quays, count: int, items: int = 1
 ) -> Trials:
-    """Trials with a hull anywhere in a node or one beside it, and items in the node.
+    """Trials with a vessel anywhere in a node or one beside it, and items in the node.
 
     Parameters
     ----------
     quays : of `QUAYS`, beside each item
-    count : how many are drawn; those whose hull would touch a quay or an item are left out
+    count : how many are drawn; those whose vessel would touch a quay or an item are left out
     """
     sides = np.zeros((count, 2))
     for axis in range(QUAYS.index(quays)):
@@ -48,7 +48,7 @@ def seen_from_hull(trials: Trials) -> tuple[FloatArray, FloatArray]:
 
 
 def _is_afloat(vessel: Vessel, pose: FloatArray) -> NDArray[np.bool_]:
-    """(trial,) whether the whole hull lies in the basin."""
+    """(trial,) whether the whole vessel lies in the basin."""
     c, s = np.abs(np.cos(pose[:, 2])), np.abs(np.sin(pose[:, 2]))
     half_length, half_beam = 0.5 * vessel.length_m, 0.5 * vessel.beam_m
     east = np.abs(pose[:, 0] - MIDDLE_M) + c * half_length + s * half_beam
@@ -58,7 +58,7 @@ def _is_afloat(vessel: Vessel, pose: FloatArray) -> NDArray[np.bool_]:
 
 
 def _touches(vessel: Vessel, trials: Trials) -> NDArray[np.bool_]:
-    """(trial,) whether an item lies against the hull, or in its mouth."""
+    """(trial,) whether an item lies against the vessel, or in its mouth."""
     ahead, aside = seen_from_hull(trials)
     along = np.abs(ahead) < 0.5 * vessel.length_m + FREE_M
     across = np.abs(aside) < 0.5 * vessel.beam_m + FREE_M

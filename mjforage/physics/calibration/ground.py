@@ -1,4 +1,4 @@
-"""A basin in which a lone hull is sent for items at rest, in MuJoCo, with its pilot and noise."""
+"""A basin in which a lone vessel is sent for items at rest, in MuJoCo, with its pilot and noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class Trials:
     Attributes
     ----------
     pose : (trial, 3) midships [m] and heading [rad]
-    node : (trial, 2) centre of the node that the hull is sent to [m], its own or one beside it
+    node : (trial, 2) centre of the node that the vessel is sent to [m], its own or one beside it
     items : (trial, item, 2) [m], in that node
     """
 
@@ -57,7 +57,7 @@ class Trials:
         )
 
 
-def taken_in(
+def collected_in(
     vessel: str, trials: Trials, decisions: int, seed: int, sensors: Sensors = SENSORS
 ) -> NDArray[np.int64]:
     """(trial, item) decision in which each item was taken, from 0; `decisions` if in none.
@@ -66,7 +66,7 @@ def taken_in(
     ----------
     vessel : name, or path of a TOML file
     seed : of the noise
-    sensors : what the hull measures
+    sensors : what the vessel measures
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The counts of a capture model: as many trials in every cell, each of a lone hull."""
+"""The counts of a capture model: as many trials in every cell, each of a lone vessel."""
 
 import itertools
 
@@ -9,7 +9,7 @@ from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
 from mjforage.mission.capture_rule import capture_cell
 from mjforage.physics.calibration.drawing import draw
-from mjforage.physics.calibration.ground import PERIOD_S, PITCH_M, Trials, taken_in
+from mjforage.physics.calibration.ground import PERIOD_S, PITCH_M, Trials, collected_in
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.scenario.capture import (
     DECISIONS,
@@ -45,11 +45,11 @@ def calibrate(vessel: str, trials: int, seed: int) -> Capture:
     hull, cells, follows = load_vessel(vessel), [], []
     for number, quays in enumerate(QUAYS):
         rng = np.random.default_rng((seed, number))
-        alone = taken_in(vessel, _in_every_cell(rng, hull, quays, trials), DECISIONS, seed)
+        alone = collected_in(vessel, _in_every_cell(rng, hull, quays, trials), DECISIONS, seed)
         for (i, j), found in zip(CELLS, alone.reshape(len(CELLS), trials), strict=True):
             first, second, third = np.bincount(found, minlength=DECISIONS)[:DECISIONS].tolist()
             cells.append(CaptureCell(quays, FROM_M[i], FROM_DEG[j], trials, (first, second, third)))
-        both = taken_in(vessel, draw(rng, hull, quays, PAIRS * trials, 2), 1, seed) == 0
+        both = collected_in(vessel, draw(rng, hull, quays, PAIRS * trials, 2), 1, seed) == 0
         some = int(both.any(axis=1).sum())
         follows.append(CaptureFollow(quays, max(some, 1), int(both.all(axis=1).sum())))
     return Capture(PERIOD_S, tuple(cells), tuple(follows))

@@ -1,4 +1,4 @@
-"""The forces of all boats and items on one MuJoCo state: what the callback does, on plain arrays.
+"""The forces of all vessels and items on one MuJoCo state: what the callback does, on plain arrays.
 
 `apply` may be called twice on one state, since it sets the vessels' rows of M and does not add to
 them.
@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.physics.callback import boat
+from mjforage.physics.callback import vessel_motion
 from mjforage.physics.callback.model_layout import (
     AVERAGED,
     CLASS_WIDTH,
     HEADER,
-    HULL_WIDTH,
     INPUT_WIDTH,
     ITEM_AIR,
     ITEM_DOFS,
@@ -28,11 +27,12 @@ from mjforage.physics.callback.model_layout import (
     N_VESSELS,
     SCHEME,
     VESSEL_DOFS,
+    VESSEL_WIDTH,
     WATER,
     WIND,
 )
 from mjforage.physics.hydrodynamics.item_drag import item_load
-from mjforage.physics.hydrodynamics.parameters import HULL, Float64Array, HullParameters
+from mjforage.physics.hydrodynamics.parameters import VESSEL, Float64Array, VesselParameters
 from mjforage.physics.hydrodynamics.thruster import thruster_force
 
 
@@ -55,15 +55,15 @@ class State(NamedTuple):
 def _averaged(
     state: State,
     v: int,
-    p: HullParameters,
-    around: boat.Surroundings,
-    body: boat.Inertia,
+    p: VesselParameters,
+    around: vessel_motion.Surroundings,
+    body: vessel_motion.Inertia,
 ) -> tuple[float, float, float, float, float, float]:
-    """Loads in body axes that give boat `v` its mean acceleration, and the inertia to feel.
+    """Loads in body axes that give vessel `v` its mean acceleration, and the inertia to feel.
 
     Positions run half a step ahead of velocities, so the heading is taken back by that much. Half a
-    step of damping joins the inertia: a contact that stops the hull then meets the full load at
-    rest, not the load that the free hull would have had on average. For quadratic drag that is
+    step of damping joins the inertia: a contact that stops the vessel then meets the full load at
+    rest, not the load that the free vessel would have had on average. For quadratic drag that is
     exact with the slope at a third of the step: the mean of (v + a t)^2 over h is
     v^2 + h a (v + a h/3). Free motion is the same.
     """
@@ -71,11 +71,11 @@ def _averaged(
     yaw, vx, vy, r = state.qpos[i + 2], state.qvel[i], state.qvel[i + 1], state.qvel[i + 2]
     command = state.ctrl[2 * v], state.ctrl[2 * v + 1]
     lagged = state.act[2 * v], state.act[2 * v + 1]
-    ax, ay, ar = boat.mean_acceleration(
+    ax, ay, ar = vessel_motion.mean_acceleration(
         p, body, yaw - 0.5 * h * r, vx, vy, r, command, lagged, around, h
     )
     c, s = math.cos(yaw), math.sin(yaw)
-    d_surge, d_sway, d_yaw = boat.damping(
+    d_surge, d_sway, d_yaw = vessel_motion.damping(
         p, yaw, vx + h / 3 * ax, vy + h / 3 * ay, r + h / 3 * ar, around
     )
     m_surge, m_sway = body.surge + 0.5 * h * d_surge, body.sway + 0.5 * h * d_sway
@@ -88,12 +88,16 @@ def _averaged(
 
 @kernel
 def _instant(
-    state: State, v: int, p: HullParameters, around: boat.Surroundings, body: boat.Inertia
+    state: State,
+    v: int,
+    p: VesselParameters,
+    around: vessel_motion.Surroundings,
+    body: vessel_motion.Inertia,
 ) -> tuple[float, float, float, float, float, float]:
-    """Loads on boat `v` now, in body axes, and its inertia."""
+    """Loads on vessel `v` now, in body axes, and its inertia."""
     i = v * VESSEL_DOFS
     push, twist = thruster_force(p, state.act[2 * v], state.act[2 * v + 1])
-    surge, sway, turn = boat.loads(
+    surge, sway, turn = vessel_motion.loads(
         p,
         state.qpos[i + 2],
         state.qvel[i],
@@ -107,18 +111,18 @@ def _instant(
 
 
 @kernel
-def _boat(state: State, v: int, p: HullParameters, averaged: bool) -> None:
-    """Force and rows of M of boat `v`."""
+def _vessel(state: State, v: int, p: VesselParameters, averaged: bool) -> None:
+    """Force and rows of M of vessel `v`."""
     userdata, mass, force, row = state.userdata, state.mass, state.force, state.row
     i, at = v * VESSEL_DOFS, v * INPUT_WIDTH
-    around = boat.Surroundings(
+    around = vessel_motion.Surroundings(
         userdata[at + WIND],
         userdata[at + WIND + 1],
         userdata[at + WATER],
         userdata[at + WATER + 1],
         userdata[at + LOAD],
     )
-    body = boat.inertia(p, around.load)
+    body = vessel_motion.inertia(p, around.load)
     if averaged:
         loads = _averaged(state, v, p, around, body)
     else:
@@ -174,13 +178,13 @@ def _items(
 
 @kernel
 def apply(state: State) -> None:
-    """Add the forces of all boats and items to `force` and set their rows of `mass`."""
+    """Add the forces of all vessels and items to `force` and set their rows of `mass`."""
     numeric, averaged = state.numeric, state.numeric[SCHEME] == AVERAGED
     vessels, items = int(numeric[N_VESSELS]), int(numeric[N_ITEMS])
-    table = HEADER + vessels * HULL_WIDTH
-    hulls = numeric[HEADER:table].view(HULL)
+    table = HEADER + vessels * VESSEL_WIDTH
+    hulls = numeric[HEADER:table].view(VESSEL)
     for v in range(vessels):
-        _boat(state, v, hulls[v], averaged)
+        _vessel(state, v, hulls[v], averaged)
     if items:
         classes = numeric[table : table + int(numeric[N_CLASSES]) * CLASS_WIDTH]
         _items(state, classes, vessels * VESSEL_DOFS, vessels * INPUT_WIDTH, averaged)

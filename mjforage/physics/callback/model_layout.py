@@ -1,10 +1,10 @@
-"""What rides in a MuJoCo model and state for the callback: the layout of numerics and userdata.
+"""Layout of the numerics and userdata that a MuJoCo model and state hold for the callback.
 
 Per model, in ``<custom>``, in this order (all [SI]):
 
 =====================  ====================================================================
 ``mjforage``           MAGIC, vessels, items, item classes, scheme
-``mjforage-vessel-i``  parameters of vessel i, a record of `HULL` (`hydrodynamics.parameters`)
+``mjforage-vessel-i``  parameters of vessel i, a record of `VESSEL` (`hydrodynamics.parameters`)
 ``mjforage-items``     (class, 3): mass incl. added mass [kg], air and water drag [N s2/m2]
 =====================  ====================================================================
 
@@ -14,7 +14,7 @@ Degrees of freedom: x, y, yaw of each vessel, then x, y of each item.
 
 from typing import Final
 
-from mjforage.physics.hydrodynamics.parameters import HULL
+from mjforage.physics.hydrodynamics.parameters import VESSEL
 
 MAGIC: Final = 20_260_617.0  # guards the process-global callback against other people's models
 HEADER: Final = 5  # numbers in the numeric `mjforage`
@@ -22,7 +22,7 @@ N_VESSELS: Final = 1  # places in it
 N_ITEMS: Final = 2
 N_CLASSES: Final = 3
 SCHEME: Final = 4
-HULL_WIDTH: Final = HULL.itemsize // 8  # numbers of a vessel
+VESSEL_WIDTH: Final = VESSEL.itemsize // 8  # numbers of a vessel
 HEADER_NAME: Final = "mjforage"
 
 INSTANT: Final = 0.0  # scheme: forces at the instant asked for (Runge-Kutta)

@@ -1,4 +1,4 @@
-"""Proof that the installed callback reads and writes the right memory, on a model of one boat."""
+"""Proof that the installed callback reads and writes the right memory, on a model of one vessel."""
 
 import math
 
@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mjforage.physics.callback.model_layout import HEADER_NAME, INSTANT, MAGIC, WATER
-from mjforage.physics.hydrodynamics.parameters import HULL
+from mjforage.physics.hydrodynamics.parameters import VESSEL
 
 MASS, ADDED_SURGE, ADDED_SWAY, ADDED_YAW, INERTIA = 100.0, 50.0, 200.0, 5.0, 20.0
 DRAG, TOLERANCE = 10.0, 1e-9
@@ -34,8 +34,8 @@ _TOY = f"""
 
 
 def toy_model() -> mujoco.MjModel:
-    """A hull with linear drag only, so that a push by a current has a known answer."""
-    hull = np.zeros(1, HULL)
+    """A vessel with linear drag only, so that a push by a current has a known answer."""
+    hull = np.zeros(1, VESSEL)
     p = hull[0]
     p.mass, p.inertia_z, p.lag = MASS, INERTIA, 1.0
     p.added_surge, p.added_sway, p.added_yaw = ADDED_SURGE, ADDED_SWAY, ADDED_YAW
@@ -46,10 +46,10 @@ def toy_model() -> mujoco.MjModel:
 
 
 def failure(model: mujoco.MjModel) -> str | None:
-    """What is wrong with the callback now in place on `toy_model()`, or None.
+    """The fault of the callback in place, seen on `toy_model()`, or None.
 
-    A current of 1 m/s along x pushes a resting hull with 10 N. Along the hull it has to accelerate
-    it by 10/(m + X_a), across it by 10/(m + Y_a), at any heading.
+    A current of 1 m/s along x pushes a resting vessel with 10 N. Along the vessel it has to
+    accelerate it by 10/(m + X_a), across it by 10/(m + Y_a), at any heading.
     """
     data = mujoco.MjData(model)
     data.userdata[WATER] = 1.0
@@ -62,5 +62,7 @@ def failure(model: mujoco.MjModel) -> str | None:
         expected = c * ahead - s * aside, s * ahead + c * aside, munk / (INERTIA + ADDED_YAW)
         error = float(np.max(np.abs(data.qacc - expected)))
         if not error < TOLERANCE:
-            return f"acceleration of a resting hull at heading {yaw:.2f} rad is off by {error:.3g}"
+            return (
+                f"acceleration of a resting vessel at heading {yaw:.2f} rad is off by {error:.3g}"
+            )
     return None

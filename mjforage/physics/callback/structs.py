@@ -1,4 +1,4 @@
-"""Where mjModel and mjData keep what the native callback reads, in bytes from their beginning.
+"""Byte offsets of the members of mjModel and mjData that the callback reads.
 
 MuJoCo gives native callbacks two struct addresses and no header to read them with. The
 declarations of its structs ship with the Python package (`mujoco.introspect`); ctypes lays them out

@@ -1,1 +1,1 @@
-"""Dynamics of a mission in MuJoCo: hulls carry decisions out among floating bodies."""
+"""Dynamics of a mission in MuJoCo: vessels carry decisions out among floating bodies."""

@@ -1,4 +1,4 @@
-"""The camera with which a hull sees items to pick up: its errors, its frames, its field of view.
+"""The camera with which a vessel sees items to pick up: its errors, its frames, its field of view.
 
 The error of an item's place has two parts: a normal one of the same size at any range, for where
 the middle of a floating item is, and along the line of sight one that grows with the square of the
@@ -19,13 +19,13 @@ FloatArray = NDArray[np.float64]
 
 
 class Camera(NamedTuple):
-    """What one sees, and the fixes by which its hull knows where it is."""
+    """Field of view and errors of a camera, and errors of its vessel's own pose."""
 
     noise_m: float  # standard deviation per axis, at any range
     depth_per_m: float  # times the range squared: of the range, beyond that [1/m]
     half_view_rad: float  # about the bow
     range_m: float
-    position_m: float  # standard deviation of the hull's own fix, per axis
+    position_m: float  # standard deviation of the vessel's own fix, per axis
     heading_rad: float  # and of its compass
     period: int  # control ticks from frame to frame
     latency: int  # control ticks from a frame to what was seen in it
@@ -74,9 +74,9 @@ def sight_items(
     Parameters
     ----------
     key : of the episode
-    true_pose, pose : (vessel, 3) as it is and as the hull measures it [m], [rad]
+    true_pose, pose : (vessel, 3) as it is and as the vessel measures it [m], [rad]
     xy, item_node : (item, 2) [m], (item,) below 0 if not afloat
-    seen : (vessel, item, 2) written: where the hull takes them to be [m], NaN if not in view
+    seen : (vessel, item, 2) written: where the vessel takes them to be [m], NaN if not in view
     """
     stream, vessels = stream_key(key, Stream.CAMERA), true_pose.shape[0]
     c, s = math.cos(pose[v, 2]), math.sin(pose[v, 2])

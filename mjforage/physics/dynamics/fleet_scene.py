@@ -1,4 +1,4 @@
-"""Which hulls a fleet has, which classes items have, and the scene that holds them all."""
+"""Vessels of a fleet, classes of items, and the scene that holds them all."""
 
 from functools import lru_cache
 
@@ -14,11 +14,11 @@ from mjforage.scenario.fleet import Fleet
 from mjforage.scenario.scenario import Physics
 from mjforage.scenario.vessel_files import hull_names
 
-POOL = 8  # bodies for items near hulls, at first
+POOL = 8  # bodies for items near vessels, at first
 
 
 def known_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
-    """(agent,) the hull of every agent as its file has it, which is what controllers know.
+    """(agent,) the vessel of every agent as its file has it, which is what controllers know.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def known_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
 
 
 def fleet_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
-    """(agent,) the hull of every agent as it moves, with the scenario's factors.
+    """(agent,) the vessel of every agent as it moves, with the scenario's factors.
 
     Raises
     ------
@@ -60,12 +60,12 @@ def item_choices(choice: Physics) -> NDArray[np.int64]:
 def fleet_scene(
     graph: NavigationGraph, vessels: tuple[Vessel, ...], names: tuple[str, ...]
 ) -> Scene:
-    """The scene of a fleet on a map, with bodies for the few items that are near hulls.
+    """The scene of a fleet on a map, with bodies for the few items that are near vessels.
 
     Raises
     ------
     UserError
-        If a hull cannot turn in the narrowest passage.
+        If a vessel cannot turn in the narrowest passage.
     """
     return build_scene(
         vessels, navigable=graph.navigable, pitch_m=graph.pitch_m, items=POOL, names=names

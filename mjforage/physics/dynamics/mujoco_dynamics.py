@@ -1,7 +1,7 @@
-"""Dynamics in MuJoCo: decisions carried out by hulls in MuJoCo, under one weather for all.
+"""Dynamics in MuJoCo: decisions carried out by vessels in MuJoCo, under one weather for all.
 
 A decision becomes a waypoint; controllers steer at 10 Hz; what the period's end looks like is the
-same `Transition` as at graph level. `watch` defines arrived, late and blocked.
+same `Transition` as at graph level. `monitor` defines arrived, late and blocked.
 """
 
 from collections.abc import Sequence
@@ -24,6 +24,14 @@ from mjforage.mission.task import IDLE
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.carrying import carried, leeways
+from mjforage.physics.dynamics.collecting import (
+    Attempts,
+    Goal,
+    Reach,
+    Sent,
+    collect_at_mouth,
+    seek,
+)
 from mjforage.physics.dynamics.fleet_scene import (
     fleet_scene,
     fleet_vessels,
@@ -34,20 +42,19 @@ from mjforage.physics.dynamics.item_bodies import (
     draw_classes,
     read_items,
 )
-from mjforage.physics.dynamics.picking import (
-    Attempts,
-    Goal,
-    Reach,
-    Sent,
-    seek,
-    take_at_mouth,
+from mjforage.physics.dynamics.period_monitor import (
+    MonitorSetup,
+    Motion,
+    PeriodRecord,
+    Tick,
+    judge,
+    monitor,
 )
 from mjforage.physics.dynamics.sensing import measured_poses
 from mjforage.physics.dynamics.tracks import Tracks, Water, look_out, tracked
-from mjforage.physics.dynamics.watch import Harbour, Motion, Tick, Watched, judge, watch
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.weather import Field, WeatherSettings, flow_in
 from mjforage.scenario.fleet import Fleet
 from mjforage.scenario.scenario import Scenario
@@ -72,7 +79,7 @@ class MujocoDynamics:
         ------
         UserError
             If a vessel or an item class is not known, a capture model is wanted and not there, a
-            hull does not fit on the map, the scenario's times do not fit together, items without
+            vessel does not fit on the map, the scenario's times do not fit together, items without
             bodies shall enter a mouth, or there shall be a current on a map without an open border.
         """
         self._graph, self._fleet, self._scenario, self._trajectory = (
@@ -101,7 +108,7 @@ class MujocoDynamics:
                 "enter no mouth; set physics.capture=node or physics.items=bodies"
             )
         self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names))
-        self._helms = [helm_of(vessel) for vessel in known_vessels(fleet, self._choice)]
+        self._models = [vessel_model(vessel) for vessel in known_vessels(fleet, self._choice)]
         self._chart = Chart(graph.navigable, graph.pitch_m)
         self._water = Water(self._chart.land, graph.pitch_m)
         period, latency = scenario.sensors.camera_period_s, scenario.sensors.camera_latency_s
@@ -114,7 +121,7 @@ class MujocoDynamics:
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
         narrow = self._has_camera and scenario.sensors.camera_fov_deg < 360.0
         self._reach = Reach(fleet.collects, self._size, self._water, narrow)
-        self._harbour = Harbour(
+        self._monitor_setup = MonitorSetup(
             pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
         )
         self._settings = WeatherSettings.of_scenario(
@@ -138,9 +145,9 @@ class MujocoDynamics:
             seeds=names,
             items=items if self._bodies else 0,
         )
-        self._pilot = Pilot(self._helms, self._chart, episodes, CONTROL_S)
-        self._watched = Watched.of(initial.agent_node.shape)
-        self._watch = BoundKernel(watch, self._harbour, self._watched)
+        self._pilot = Pilot(self._models, self._chart, episodes, CONTROL_S)
+        self._period = PeriodRecord.of(initial.agent_node.shape)
+        self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
         self._attempts = Attempts.of(len(self._fleet), initial.item_node)
         if self._has_camera:
             tracks = Tracks.of(self._camera, len(self._fleet), initial.item_node)
@@ -159,7 +166,7 @@ class MujocoDynamics:
         return self._state
 
     def place(self, pose: NDArray[np.float64]) -> None:
-        """Put the hulls elsewhere, at rest; pose (episode, vessel, 3) [m], [rad]."""
+        """Put the vessels elsewhere, at rest; pose (episode, vessel, 3) [m], [rad]."""
         self._simulation.place_vessels(pose)
         self._motion = self._measured()
 
@@ -191,7 +198,7 @@ class MujocoDynamics:
         target = self._centres_xy[moves.target]
         stay = moves.direction == STAY
         self._pilot.order(active, self._centres_xy[state.agent_node], target, stay)
-        self._watched.begin(active)
+        self._period.begin(active)
         state.pickup[active] = IDLE
         recorded = self._trajectory is not None and bool(active[0])
         for tick in range(self._ticks):
@@ -204,7 +211,7 @@ class MujocoDynamics:
                     self._record()
             self._steer(active, ids, target, pose)
             if self._intake:
-                self._take(active)
+                self._collect(active)
         self._settle(active, step, moves)
         if recorded:
             self._record()
@@ -212,7 +219,7 @@ class MujocoDynamics:
         return state
 
     def _feel(self, active: NDArray[np.bool_]) -> None:
-        """Give hulls and items the wind and the water of the moment."""
+        """Give vessels and items the wind and the water of the moment."""
         simulation, now = self._simulation, self._tick * CONTROL_S
         hulls = np.ascontiguousarray(self._motion.pose[..., :2])
         simulation.vessel_wind[:] = self._field.wind(now, hulls)
@@ -231,7 +238,7 @@ class MujocoDynamics:
         self._look_out(active, self._tick, CONTROL_S, now, pose, xy, nodes)
 
     def _known(self) -> NDArray[np.float64]:
-        """Where each vessel takes items to be (episode, vessel, item, 2) [m]."""
+        """(episode, vessel, item, 2) places of items as each vessel knows them [m]."""
         xy, vessels = self._simulation.item_xy, len(self._fleet)
         if not self._has_camera:
             return np.broadcast_to(xy[:, None], (len(xy), vessels, *xy.shape[1:]))
@@ -277,7 +284,7 @@ class MujocoDynamics:
         self._note(active, before, target)
 
     def _note(self, active: NDArray[np.bool_], before: Motion, target: NDArray[np.float64]) -> None:
-        """Take note of the tick that began with the hulls as `before`."""
+        """Take note of the tick that began with the vessels as `before`."""
         simulation = self._simulation
         tick = Tick(
             before=before,
@@ -287,16 +294,16 @@ class MujocoDynamics:
             water=simulation.vessel_water,
             lagged=simulation.thruster_state,
         )
-        self._watch(active, tick)
+        self._monitor(active, tick)
 
     def _measured(self) -> Motion:
-        """The hulls now; copies."""
+        """The vessels now; copies."""
         return Motion(self._simulation.vessel_pose, self._simulation.vessel_velocity)
 
-    def _take(self, active: NDArray[np.bool_]) -> None:
+    def _collect(self, active: NDArray[np.bool_]) -> None:
         """Capture rule `intake`, at every tick."""
         simulation, state = self._simulation, self._state
-        taken = take_at_mouth(
+        taken = collect_at_mouth(
             self._reach,
             active,
             self._motion.pose,
@@ -314,19 +321,19 @@ class MujocoDynamics:
 
     def _settle(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> None:
         """Write the period's end into the state."""
-        state, watched, graph = self._state, self._watched, self._graph
+        state, record, graph = self._state, self._period, self._graph
         pose = self._motion.pose[active]
-        way = watched.travelled_m[active] / graph.pitch_m
+        way = record.travelled_m[active] / graph.pitch_m
         state.agent_rc[active] = graph.row_column(pose[..., :2])
         state.agent_node[active] = nearest_nodes(graph.water, state.agent_rc[active])
         state.agent_yaw[active] = pose[..., 2]
         state.agent_speed[active] = way
         state.distance[active] += way
         state.energy[active] += way
-        state.collisions[active] = watched.collisions[active]
-        state.impact[active] = watched.impact_mps[active]
-        state.work[active] = watched.work_j[active]
-        judge(active, moves.blocked, watched, state.outcome)
+        state.collisions[active] = record.collisions[active]
+        state.impact[active] = record.impact_mps[active]
+        state.work[active] = record.work_j[active]
+        judge(active, moves.blocked, record, state.outcome)
         if self._rule is not None:
             self._rule.advance(active, step)
             return
@@ -337,7 +344,7 @@ class MujocoDynamics:
             self._remove()
 
     def _record(self) -> None:
-        """A frame of the first episode, with the wind at its first hull."""
+        """A frame of the first episode, with the wind at its first vessel."""
         assert self._trajectory is not None
         simulation, state, items = self._simulation, self._state, self._state.item_node.shape[1]
         xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
@@ -347,7 +354,7 @@ class MujocoDynamics:
 
 
 def _times(whole: float, part: float, name: str, least: int = 1) -> int:
-    """How often a time [s] goes into another, at least so often.
+    """Whole number of times that a time [s] goes into another, at least so many.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What hulls measure of themselves: position and heading, with noise."""
+"""Measured position and heading of vessels, with noise."""
 
 import math
 

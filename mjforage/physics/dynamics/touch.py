@@ -1,4 +1,4 @@
-"""Where hulls touch quays and each other, and how fast they closed: boxes in the plane.
+"""Touches of vessels with quays and each other, and their speeds: boxes in the plane.
 
 Two convex boxes touch unless one of their four axes separates them (separating axis theorem); the
 axis of least overlap is taken as the direction of the contact.
@@ -29,7 +29,7 @@ def _reach(ax: float, ay: float, yaw: float, half_length: float, half_beam: floa
 def contact(
     a: FloatArray, b: FloatArray, size_a: FloatArray, size_b: FloatArray
 ) -> tuple[bool, float, float, bool]:
-    """Whether boxes a and b touch, the unit normal from b to a, and whether it is a side of a.
+    """Contact of boxes a and b: True if they touch, unit normal from b to a, True if of a's side.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def _corner(box: FloatArray, size: FloatArray, number: int) -> tuple[float, floa
 
 @inlined
 def _speed_at(pose: FloatArray, velocity: FloatArray, px: float, py: float) -> tuple[float, float]:
-    """Velocity of the hull's point at (px, py)."""
+    """Velocity of the vessel's point at (px, py)."""
     return (
         velocity[0] - velocity[2] * (py - pose[1]),
         velocity[1] + velocity[2] * (px - pose[0]),
@@ -117,7 +117,7 @@ def closing_speed(
 def _open_side(
     framed: Int32Array, r: int, c: int, nx: float, ny: float, own: bool
 ) -> tuple[float, float, bool]:
-    """The normal of a hull's touch of a land cell, at seams that of the quay that cells make up.
+    """The normal of a vessel's touch of a land cell, at seams that of the quay that cells make up.
 
     A side between two cells is none of the quay, and their corners are none unless they jut out:
     the open side beside them counts, if there is one; else nothing, for a neighbour is touched too.
@@ -149,7 +149,7 @@ def _touch_quays(
     framed: Int32Array,
     pitch_m: float,
 ) -> tuple[bool, float]:
-    """Whether one hull touches land cells, and its fastest approach to one [m/s], at least 0."""
+    """Contact of one vessel with land: True if it touches, fastest approach [m/s], at least 0."""
     rows, cols = framed.shape
     cell, half, still = np.zeros(3), np.full(2, 0.5 * pitch_m), np.zeros(3)
     touching, closing = False, 0.0
@@ -183,7 +183,7 @@ def touches(
     touching: NDArray[np.bool_],
     closing: FloatArray,
 ) -> None:
-    """Contacts of the hulls of one episode with quays, the map's edge and each other.
+    """Contacts of the vessels of one episode with quays, the map's edge and each other.
 
     MuJoCo's contact sensors do not give this: they lose a soft contact and find it again from tick
     to tick (431 touches begun instead of 140 in 900 s of `port_drive`), and know no speed.

@@ -1,4 +1,4 @@
-"""Tracks of items: where a hull takes them to be between and after sightings.
+"""Tracks of items: where a vessel takes them to be between and after sightings.
 
 A Kalman filter of position and velocity per axis, the velocity a random walk (Bar-Shalom, Li and
 Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001, section 6.2); both
@@ -25,7 +25,7 @@ RADIUS_M = 0.1  # of an item: no nearer to a quay
 
 
 class Water(NamedTuple):
-    """Where items can be."""
+    """Land and water for items."""
 
     land: NDArray[np.bool_]  # (column + 2, row + 2) as `controllers.Chart.land`
     pitch_m: float
@@ -166,7 +166,7 @@ def look_out(
 def tracked(
     tracks: Tracks, water: Water, tick: NDArray[np.int64], step_s: float, out: FloatArray
 ) -> None:
-    """Where hulls take items to be now.
+    """Places of items now as vessels know them.
 
     Parameters
     ----------

@@ -1,11 +1,11 @@
-"""Items on the water: those out of every hull's reach move here, the others in MuJoCo.
+"""Items on the water: those out of every vessel's reach move here, the others in MuJoCo.
 
 Both ways have the same equations, so that an item goes over without a jump. `drift` moves it,
-`quays` keeps it off land as MuJoCo's contacts do, `bodies` lends it a body near a hull.
+`quays` keeps it off land as MuJoCo's contacts do, `body_pool` gives an item a body near a vessel.
 """
 
-from mjforage.physics.floating.bodies import Bodies, lend, take_back
+from mjforage.physics.floating.body_pool import Bodies, activate, sync_items
 from mjforage.physics.floating.drift import Afloat, drift
 from mjforage.physics.floating.quays import Quays, quays_of
 
-__all__ = ["Afloat", "Bodies", "Quays", "drift", "lend", "quays_of", "take_back"]
+__all__ = ["Afloat", "Bodies", "Quays", "activate", "drift", "quays_of", "sync_items"]

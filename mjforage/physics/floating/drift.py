@@ -21,11 +21,11 @@ class Afloat(NamedTuple):
     water: Float64Array  # (..., 2) velocity of the water over ground [m/s]
     kind: Float64Array  # row of `kinds`, negative if not on the water
     kinds: Float64Array  # (class, 3) mass incl. added mass [kg], air and water drag [N s2/m2]
-    lent: NDArray[np.bool_]  # whether it has a body for the moment
+    active: NDArray[np.bool_]  # whether it has a body for the moment
 
 
 class Item(NamedTuple):
-    """What one item feels."""
+    """Mass, drag, wind and water of one item."""
 
     mass_kg: float  # with the water that moves with it
     air: float  # drag [N s2/m2]
@@ -106,10 +106,10 @@ def drift(
     Simulation and item that are no finite numbers any more, -1 and -1 if all are.
     """
     q, v, wind, water = afloat.q, afloat.v, afloat.wind, afloat.water
-    kind, kinds, lent, land = afloat.kind, afloat.kinds, afloat.lent, quays.land
+    kind, kinds, active, land = afloat.kind, afloat.kinds, afloat.active, quays.land
     for e in ids:
         for k in range(kind.shape[1]):
-            if kind[e, k] < 0.0 or lent[e, k]:
+            if kind[e, k] < 0.0 or active[e, k]:
                 continue
             which = int(kind[e, k])
             item = Item(

@@ -17,7 +17,7 @@ _LEAST = 1e-15  # MuJoCo's mjMINVAL
 
 
 class Quays(NamedTuple):
-    """Where land is, and how a contact with it gives."""
+    """Land, and the softness of a contact with it."""
 
     land: NDArray[np.bool_]  # (column + 2, row + 2) as `controllers.Chart.land`; empty: open water
     pitch_m: float
@@ -76,7 +76,7 @@ def impedance(quays: Quays, depth_m: float) -> float:
 
 @kernel
 def push(quays: Quays, depth_m: float, speed: float, free: float, mass_kg: float) -> float:
-    """What a contact adds to the acceleration away from the quay [m/s2].
+    """Acceleration away from the quay that a contact adds [m/s2].
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def push(quays: Quays, depth_m: float, speed: float, free: float, mass_kg: float
 
 @inlined
 def is_clear(land: NDArray[np.bool_], pitch_m: float, radius_m: float, x: float, y: float) -> bool:
-    """Whether an item at (x, y) [m] touches nothing, for it lies amid the water of its cell."""
+    """True if an item at (x, y) [m] touches nothing, for it lies amid the water of its cell."""
     i, j = math.floor(x / pitch_m + 0.5), math.floor(y / pitch_m + 0.5)
     off = max(abs(x - i * pitch_m), abs(y - j * pitch_m))
     inside = 0 <= i < land.shape[0] - 2 and 0 <= j < land.shape[1] - 2

@@ -1,4 +1,4 @@
-"""Forces of water, air and thrusters on a hull: pure kernels on the record of `pack`.
+"""Forces of water, air and thrusters on a vessel: pure kernels on the record of `pack`.
 
 Body axes x forward, y port; forces at midships. Nothing here knows MuJoCo.
 """

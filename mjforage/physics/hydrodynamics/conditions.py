@@ -1,4 +1,4 @@
-"""What a single hull is put into, and what anything that moves one looks like."""
+"""Conditions of a single vessel, and the protocol of anything that moves one."""
 
 import math
 from dataclasses import dataclass
@@ -30,8 +30,8 @@ def to_body(vector: tuple[float, float], yaw_rad: float) -> tuple[float, float]:
     return c * vector[0] + s * vector[1], c * vector[1] - s * vector[0]
 
 
-class Hull(Protocol):
-    """One hull alone on open water, moved by commands; thrusters are stopped at the start."""
+class SimulatedVessel(Protocol):
+    """One vessel alone on open water, moved by commands; thrusters are stopped at the start."""
 
     def step(self, port: float, starboard: float, step_s: float) -> None:
         """Advance by `step_s` under constant commands [rad/s or N, as the vessel has them]."""

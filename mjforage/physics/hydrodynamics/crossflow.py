@@ -1,7 +1,7 @@
-"""Cross-flow drag: strips of a slender hull meet the water sideways at v + x r each."""
+"""Cross-flow drag: strips of a slender vessel meet the water sideways at v + x r each."""
 
 from mjforage.base.compiled import kernel
-from mjforage.physics.hydrodynamics.parameters import CROSS_INTEGRATED, CROSS_NONE, HullParameters
+from mjforage.physics.hydrodynamics.parameters import CROSS_INTEGRATED, CROSS_NONE, VesselParameters
 
 INTERVALS = 20  # of the Otter's strips: 21 of them, each 1/20 of the length wide
 
@@ -37,7 +37,7 @@ def _integrals(length: float, v: float, r: float) -> tuple[float, float]:
 
 
 @kernel
-def cross_flow_slope(p: HullParameters, v_r: float, r: float) -> tuple[float, float]:
+def cross_flow_slope(p: VesselParameters, v_r: float, r: float) -> tuple[float, float]:
     """Damping by cross-flow drag: -dY/dv [N s/m] and -dN/dr [N m s], never below 0.
 
     Twice 1/2 rho Cd T times the integrals of |v + x r| and of x^2 |v + x r| over the length, also
@@ -57,7 +57,7 @@ def cross_flow_slope(p: HullParameters, v_r: float, r: float) -> tuple[float, fl
 
 
 @kernel
-def cross_flow(p: HullParameters, v_r: float, r: float) -> tuple[float, float]:
+def cross_flow(p: VesselParameters, v_r: float, r: float) -> tuple[float, float]:
     """Sway force and yaw moment of cross-flow drag.
 
     Y = -1/2 rho Cd T * integral of |v + x r| (v + x r) dx, N the same with x

@@ -1,4 +1,4 @@
-"""What air and water do to a floating item."""
+"""Drag of air and water on a floating item."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A hull as a record for kernels: what its fields are, and `pack`, which fills it from a vessel."""
+"""A vessel's numbers as a record for kernels; `pack` fills it."""
 
 import math
 from collections.abc import Sequence
@@ -15,8 +15,8 @@ Float64Array = NDArray[np.float64]
 AIR_DENSITY_KGPM3 = 1.224  # Blendermann's tables, as in MSS
 
 
-class HullParameters:
-    """The fields of the record `HULL`, SI units, for readers and type checkers; it is never made.
+class VesselParameters:
+    """The fields of the record `VESSEL`, SI units, for readers and type checkers; it is never made.
 
     Everything refers to midships, in body axes.
     """
@@ -67,8 +67,8 @@ class HullParameters:
     hotel: float
 
 
-HULL = record_type(HullParameters.__annotations__)
-HullArray: TypeAlias = NDArray[Any]  # (vessel,) of `HULL`
+VESSEL = record_type(VesselParameters.__annotations__)
+VesselArray: TypeAlias = NDArray[Any]  # (vessel,) of `VESSEL`
 
 CROSS_NONE, CROSS_INTEGRATED, CROSS_STRIPS = 0.0, 1.0, 2.0
 THRUST_FORCE, THRUST_PROPELLER = 0.0, 1.0
@@ -76,8 +76,8 @@ THRUST_FORCE, THRUST_PROPELLER = 0.0, 1.0
 _CROSS_KINDS = {"integrated": CROSS_INTEGRATED, "strips-otter": CROSS_STRIPS}
 
 
-def pack(vessel: Vessel) -> HullParameters:
-    """Parameters of one vessel without load, as a record of `HULL`."""
+def pack(vessel: Vessel) -> VesselParameters:
+    """Parameters of one vessel without load, as a record of `VESSEL`."""
     v = vessel
     wind, air = v.windage, 0.5 * AIR_DENSITY_KGPM3
     # fmt: off
@@ -94,13 +94,13 @@ def pack(vessel: Vessel) -> HullParameters:
         math.pi / 4 * v.power.propeller_m**2, v.power.efficiency, v.power.hotel_w,
     )
     # fmt: on
-    record: HullParameters = np.array([entries], HULL)[0]
+    record: VesselParameters = np.array([entries], VESSEL)[0]
     return record
 
 
-def pack_fleet(vessels: Sequence[Vessel]) -> HullArray:
+def pack_fleet(vessels: Sequence[Vessel]) -> VesselArray:
     """(vessel,) `pack` of each."""
-    return np.array([pack(vessel) for vessel in vessels], HULL)
+    return np.array([pack(vessel) for vessel in vessels], VESSEL)
 
 
 def _cross_flow(flow: CrossFlow | None) -> list[float]:

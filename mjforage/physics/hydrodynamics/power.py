@@ -3,7 +3,7 @@
 import math
 
 from mjforage.base.compiled import inlined
-from mjforage.physics.hydrodynamics.parameters import HullParameters
+from mjforage.physics.hydrodynamics.parameters import VesselParameters
 from mjforage.physics.hydrodynamics.thruster import thrust
 
 WATER_DENSITY_KGPM3 = 1025.0  # sea water
@@ -22,7 +22,7 @@ def least_power(disc_m2: float, force: float, inflow_mps: float) -> float:
 
 
 @inlined
-def drawn_power(p: HullParameters, port: float, starboard: float, u_r: float) -> float:
+def drawn_power(p: VesselParameters, port: float, starboard: float, u_r: float) -> float:
     """Power [W] from the battery: of both thrusters, and of all else on board.
 
     Parameters

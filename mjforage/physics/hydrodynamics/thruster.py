@@ -7,17 +7,17 @@ command, the curve on what the lag lets through.
 import math
 
 from mjforage.base.compiled import kernel
-from mjforage.physics.hydrodynamics.parameters import THRUST_PROPELLER, HullParameters
+from mjforage.physics.hydrodynamics.parameters import THRUST_PROPELLER, VesselParameters
 
 
 @kernel
-def saturated(p: HullParameters, command: float) -> float:
+def saturated(p: VesselParameters, command: float) -> float:
     """The command inside the thruster's range."""
     return float(min(max(command, p.command_min), p.command_max))
 
 
 @kernel
-def thrust(p: HullParameters, command: float) -> float:
+def thrust(p: VesselParameters, command: float) -> float:
     """Steady thrust of one side [N], ahead positive: k n |n|, or the force outside the dead zone.
 
     Parameters
@@ -31,7 +31,7 @@ def thrust(p: HullParameters, command: float) -> float:
 
 
 @kernel
-def command_for(p: HullParameters, force: float) -> float:
+def command_for(p: VesselParameters, force: float) -> float:
     """The command of one side whose steady thrust is `force` [N], or the nearest it can give."""
     if p.thrust_kind != THRUST_PROPELLER:
         return saturated(p, force)
@@ -41,7 +41,7 @@ def command_for(p: HullParameters, force: float) -> float:
 
 
 @kernel
-def thruster_force(p: HullParameters, port: float, starboard: float) -> tuple[float, float]:
+def thruster_force(p: VesselParameters, port: float, starboard: float) -> tuple[float, float]:
     """Surge force [N] and yaw moment [N m] of both sides; port, at +y, turns clockwise."""
     left, right = thrust(p, port), thrust(p, starboard)
     return left + right, p.lever * (right - left)

@@ -1,4 +1,4 @@
-"""Forces of the water on a hull, from velocities relative to the water, in body axes.
+"""Forces of the water on a vessel, from velocities relative to the water, in body axes.
 
 Equations of motion: Fossen (2021), "Handbook of Marine Craft Hydrodynamics and Motion Control",
 chapters 3 and 6, in surge, sway and yaw. x forward, y port, yaw counter-clockwise; the equations
@@ -7,11 +7,11 @@ read the same as with y to starboard and yaw clockwise.
 
 from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.crossflow import cross_flow
-from mjforage.physics.hydrodynamics.parameters import HullParameters
+from mjforage.physics.hydrodynamics.parameters import VesselParameters
 
 
 @kernel
-def damping(p: HullParameters, u_r: float, v_r: float, r: float) -> tuple[float, float, float]:
+def damping(p: VesselParameters, u_r: float, v_r: float, r: float) -> tuple[float, float, float]:
     """Linear, quadratic and cross-flow drag: (X [N], Y [N], N [N m]).
 
     In yaw N = -(d (1 + g |r|) + q |r|) r.
@@ -26,7 +26,7 @@ def damping(p: HullParameters, u_r: float, v_r: float, r: float) -> tuple[float,
 
 @kernel
 def added_inertial(
-    p: HullParameters, u_r: float, v_r: float, r: float
+    p: VesselParameters, u_r: float, v_r: float, r: float
 ) -> tuple[float, float, float]:
     """Forces of added mass, the Munk moment included, for accelerations in axes that do not turn.
 
@@ -38,7 +38,7 @@ def added_inertial(
 
 
 @kernel
-def hull_force(p: HullParameters, u_r: float, v_r: float, r: float) -> tuple[float, float, float]:
+def hull_force(p: VesselParameters, u_r: float, v_r: float, r: float) -> tuple[float, float, float]:
     """Damping, cross-flow and added-mass forces, for accelerations in WORLD axes, as MuJoCo's are.
 
     The solver has R M_A R^T in its mass matrix but does not know that M_A turns with the vessel;
@@ -59,12 +59,12 @@ def hull_force(p: HullParameters, u_r: float, v_r: float, r: float) -> tuple[flo
 
 
 @kernel
-def load_drag(p: HullParameters, items: float, u_r: float) -> float:
-    """Surge force of the collected items [N], to be added to the hull's."""
+def load_drag(p: VesselParameters, items: float, u_r: float) -> float:
+    """Surge force of the collected items [N], to be added to the vessel's."""
     return -float(p.load_drag) * items * abs(u_r) * u_r
 
 
 @kernel
-def load_mass(p: HullParameters, items: float) -> float:
+def load_mass(p: VesselParameters, items: float) -> float:
     """Mass of the collected items [kg], at midships: it adds to both diagonals of M, not to yaw."""
     return float(p.load_mass) * items

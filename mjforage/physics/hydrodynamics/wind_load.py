@@ -3,12 +3,12 @@
 import math
 
 from mjforage.base.compiled import kernel
-from mjforage.physics.hydrodynamics.parameters import HullParameters
+from mjforage.physics.hydrodynamics.parameters import VesselParameters
 
 
 @kernel
-def wind_slope(p: HullParameters, wind_u: float, wind_v: float) -> tuple[float, float]:
-    """How fast the wind load falls as the hull gives way: -dX/du, -dY/dv [N s/m], never below 0.
+def wind_slope(p: VesselParameters, wind_u: float, wind_v: float) -> tuple[float, float]:
+    """Slope of the wind load as the vessel gives way: -dX/du, -dY/dv [N s/m], never below 0.
 
     Slopes of V u and V v; that of Blendermann's denominator is left out. Parameters as in
     `wind_force`.
@@ -24,7 +24,7 @@ def wind_slope(p: HullParameters, wind_u: float, wind_v: float) -> tuple[float, 
 
 
 @kernel
-def wind_force(p: HullParameters, wind_u: float, wind_v: float) -> tuple[float, float, float]:
+def wind_force(p: VesselParameters, wind_u: float, wind_v: float) -> tuple[float, float, float]:
     """Wind load in body axes; mirror-symmetric, zero for zero areas.
 
     With g the angle between bow and where the wind comes from, 0 to pi on either side:
@@ -33,7 +33,7 @@ def wind_force(p: HullParameters, wind_u: float, wind_v: float) -> tuple[float, 
 
     Parameters
     ----------
-    wind_u, wind_v : velocity of the air relative to the hull, forward and to port [m/s]
+    wind_u, wind_v : velocity of the air relative to the vessel, forward and to port [m/s]
 
     Returns
     -------

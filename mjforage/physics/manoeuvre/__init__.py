@@ -1,4 +1,4 @@
-"""Manoeuvres of one hull on open water: schedules, standard tests, trajectories, key figures."""
+"""Manoeuvres of one vessel on open water: schedules, standard tests, trajectories, key figures."""
 
 from mjforage.physics.manoeuvre.command import manoeuvre
 from mjforage.physics.manoeuvre.directions import parse_flow

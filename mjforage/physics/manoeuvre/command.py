@@ -5,12 +5,12 @@ from pathlib import Path
 
 from mjforage.base.cached import warn_once
 from mjforage.base.errors import UserError
-from mjforage.physics.foretold import foretold_of_hull
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.manoeuvre.directions import parse_flow
 from mjforage.physics.manoeuvre.schedule import read_schedule
 from mjforage.physics.manoeuvre.trajectory import Trajectory
 from mjforage.physics.manoeuvre.trial import STEP_S, run_manoeuvre, run_test
+from mjforage.physics.run_warnings import vessel_warnings
 from mjforage.physics.vessels import load_vessel
 
 MOST_DEG = 3600.0  # ten turns; far beyond, a heading has no exact sine
@@ -55,7 +55,7 @@ def manoeuvre(
             f"--wind {wind}: vessel {hull.name} has no [windage] and feels no wind; give it that "
             "table (`mjforage vessels scout` has one), or leave out --wind"
         )
-    for line in foretold_of_hull(hull, 0.0, min(dt_s, STEP_S, hull.lag_s), "give --dt of at most"):
+    for line in vessel_warnings(hull, 0.0, min(dt_s, STEP_S, hull.lag_s), "give --dt of at most"):
         warn_once(f"vessel {hull.name}: {line}")
     conditions = Conditions(
         current_mps=parse_flow(current, "--current"),

@@ -14,7 +14,7 @@ from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.thruster import command_for
 from mjforage.physics.vessels import Vessel
 
-Helm: TypeAlias = Callable[[float, State], tuple[float, float]]
+Steering: TypeAlias = Callable[[float, State], tuple[float, float]]
 """Commands of port and starboard from (time [s], state) on."""
 
 AHEAD_S = 20.0  # of straight, coasting and stopping tests, from rest
@@ -29,8 +29,8 @@ class StandardTest:
 
     description: str
     duration_s: float
-    helm: Callable[[Vessel, float], Helm]  # of vessel and heading at the start [rad]
-    marks_s: tuple[float, ...] = ()  # when commands change, whatever the hull does
+    steering: Callable[[Vessel, float], Steering]  # of vessel and heading at the start [rad]
+    marks_s: tuple[float, ...] = ()  # when commands change, whatever the vessel does
 
 
 def shares(vessel: Vessel, port: float, starboard: float) -> tuple[float, float]:
@@ -41,29 +41,29 @@ def shares(vessel: Vessel, port: float, starboard: float) -> tuple[float, float]
     return float(command_for(p, left)), float(command_for(p, right))
 
 
-def _turn(side: float) -> Callable[[Vessel, float], Helm]:
-    def helm(vessel: Vessel, heading_rad: float) -> Helm:
+def _turn(side: float) -> Callable[[Vessel, float], Steering]:
+    def steering(vessel: Vessel, heading_rad: float) -> Steering:
         turning = shares(vessel, TURN_MEAN - side * TURN_SPLIT, TURN_MEAN + side * TURN_SPLIT)
         return lambda time_s, state: turning
 
-    return helm
+    return steering
 
 
-def _straight(vessel: Vessel, heading_rad: float) -> Helm:
+def _straight(vessel: Vessel, heading_rad: float) -> Steering:
     ahead = shares(vessel, 1.0, 1.0)
     return lambda time_s, state: ahead if time_s < AHEAD_S else (0.0, 0.0)
 
 
-def _stop(vessel: Vessel, heading_rad: float) -> Helm:
+def _stop(vessel: Vessel, heading_rad: float) -> Steering:
     ahead, astern = shares(vessel, 1.0, 1.0), shares(vessel, -1.0, -1.0)
     return lambda time_s, state: ahead if time_s < AHEAD_S else astern
 
 
-def _drift(vessel: Vessel, heading_rad: float) -> Helm:
+def _drift(vessel: Vessel, heading_rad: float) -> Steering:
     return lambda time_s, state: (0.0, 0.0)
 
 
-class _ZigzagHelm:
+class _ZigzagSteering:
     """Split to port until the heading has turned by the angle, then to starboard, and so on."""
 
     def __init__(self, vessel: Vessel, heading_rad: float, angle_rad: float) -> None:
@@ -81,9 +81,9 @@ class _ZigzagHelm:
         return self._to[self._side]
 
 
-def _zigzag(angle_deg: float) -> Callable[[Vessel, float], Helm]:
+def _zigzag(angle_deg: float) -> Callable[[Vessel, float], Steering]:
     angle = math.radians(angle_deg)
-    return lambda vessel, heading_rad: _ZigzagHelm(vessel, heading_rad, angle)
+    return lambda vessel, heading_rad: _ZigzagSteering(vessel, heading_rad, angle)
 
 
 STANDARD_TESTS = {

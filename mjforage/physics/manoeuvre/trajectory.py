@@ -1,4 +1,4 @@
-"""A trajectory: what a hull did, row by row, and its CSV table."""
+"""A trajectory: what a vessel did, row by row, and its CSV table."""
 
 import csv
 import io
@@ -19,7 +19,7 @@ COLUMNS = ("t_s", "x_m", "y_m", "yaw_rad", "surge_mps", "sway_mps", "yaw_rate_ra
 
 @dataclass(frozen=True)
 class Trajectory:
-    """One hull's motion, at midships: world x east, y north; yaw unwrapped, counter-clockwise."""
+    """One vessel's motion, at midships: world x east, y north; yaw unwrapped, counter-clockwise."""
 
     vessel: Vessel
     conditions: Conditions

@@ -1,4 +1,4 @@
-"""Run a schedule or a standard test with anything that moves a hull, and record its rows."""
+"""Run a schedule or a standard test with anything that moves a vessel, and record its rows."""
 
 import math
 from collections.abc import Callable
@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
-from mjforage.physics.hydrodynamics.conditions import Conditions, Hull
+from mjforage.physics.hydrodynamics.conditions import Conditions, SimulatedVessel
 from mjforage.physics.manoeuvre.schedule import Schedule, check_schedule
-from mjforage.physics.manoeuvre.standard import STANDARD_TESTS, Helm
+from mjforage.physics.manoeuvre.standard import STANDARD_TESTS, Steering
 from mjforage.physics.manoeuvre.trajectory import Trajectory
-from mjforage.physics.simulation.mujoco_hull import LONGEST_S, MujocoHull
+from mjforage.physics.simulation.mujoco_vessel import LONGEST_S, MujocoVessel
 from mjforage.physics.vessels import Vessel
 
-Simulate: TypeAlias = Callable[[Vessel, Conditions], Hull]
+Simulate: TypeAlias = Callable[[Vessel, Conditions], SimulatedVessel]
 """Makes a vessel in its start state, thrusters stopped."""
 
 STEP_S = LONGEST_S  # default and longest step, and time between rows
@@ -31,7 +31,7 @@ def run_manoeuvre(
     conditions: Conditions | None = None,
     duration_s: float | None = None,
     dt_s: float = STEP_S,
-    simulate: Simulate = MujocoHull,
+    simulate: Simulate = MujocoVessel,
 ) -> Trajectory:
     """Run a schedule from rest.
 
@@ -40,7 +40,7 @@ def run_manoeuvre(
     conditions : current, wind, heading; calm and eastwards unless given
     duration_s : 60 s beyond the schedule's last row unless given
     dt_s : step of the integration; steps are shortened to end where a command changes
-    simulate : makes the hull
+    simulate : makes the vessel
 
     Raises
     ------
@@ -66,7 +66,7 @@ def run_test(
     conditions: Conditions | None = None,
     duration_s: float | None = None,
     dt_s: float = STEP_S,
-    simulate: Simulate = MujocoHull,
+    simulate: Simulate = MujocoVessel,
 ) -> Trajectory:
     """Run a standard test by name; parameters as in `run_manoeuvre`.
 
@@ -81,7 +81,7 @@ def run_test(
     here = conditions or Conditions()
     length = standard.duration_s if duration_s is None else duration_s
     times = time_grid(length, dt_s, standard.marks_s)
-    return _record(vessel, here, test, times, standard.helm(vessel, here.heading_rad), simulate)
+    return _record(vessel, here, test, times, standard.steering(vessel, here.heading_rad), simulate)
 
 
 def time_grid(
@@ -116,12 +116,12 @@ def _record(
     conditions: Conditions,
     test: str,
     times: NDArray[np.float64],
-    helm: Helm,
+    steering: Steering,
     simulate: Simulate,
 ) -> Trajectory:
     hull = simulate(vessel, conditions)
     state = hull.state()
-    states, commands = [state], [helm(float(times[0]), state)]
+    states, commands = [state], [steering(float(times[0]), state)]
     for before, after in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
         hull.step(*commands[-1], after - before)
         state = hull.state()
@@ -131,5 +131,5 @@ def _record(
                 "shorter step (--dt), or check the vessel's parameters, wind and current"
             )
         states.append(state)
-        commands.append(helm(after, state))
+        commands.append(steering(after, state))
     return Trajectory(vessel, conditions, test, times, np.array(states), np.array(commands))

@@ -15,12 +15,12 @@ from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
     HEADER,
     HEADER_NAME,
-    HULL_WIDTH,
     INPUT_WIDTH,
     INSTANT,
     ITEM_DOFS,
     MAGIC,
     VESSEL_DOFS,
+    VESSEL_WIDTH,
 )
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.scene.debris import DebrisClass, add_items, load_debris, parking_xy
@@ -44,7 +44,7 @@ class Scene:
     parking : (item, 2) where bodies lie that no item has [m]
     land : (column + 2, row + 2) bool, as `controllers.Chart` has it; empty: open water
     pitch_m : side of a map cell [m]
-    parts : MJCF file of a vessel's hull by the vessel's name, instead of the shipped one
+    parts : MJCF file of a vessel's vessel by the vessel's name, instead of the shipped one
     """
 
     model: mujoco.MjModel
@@ -79,15 +79,15 @@ def build_scene(
     items : bodies for items
     names : of the vessels
     classes : debris classes, by default those that ship
-    parts : MJCF file of a vessel's hull by the vessel's name, instead of the shipped one
+    parts : MJCF file of a vessel's vessel by the vessel's name, instead of the shipped one
     looks : False leaves out everything that only looks; True, or the class index of each item,
         for rendering. Motion is the same to the bit.
 
     Raises
     ------
     UserError
-        If a hull cannot turn in the narrowest passage, a part is malformed, or a number or name is
-        out of range.
+        If a vessel cannot turn in the narrowest passage, a part is malformed, or a number or name
+        is out of range.
     """
     if not vessels:
         raise UserError("scene: no vessel; give at least one")
@@ -129,7 +129,7 @@ def with_bodies(scene: Scene, items: int) -> Scene:
 
 
 def check_passages(vessels: Sequence[Vessel], navigable: NDArray[np.bool_], pitch_m: float) -> None:
-    """Check that every hull can turn about midships in the narrowest passage of the map.
+    """Check that every vessel can turn about midships in the narrowest passage of the map.
 
     Raises
     ------
@@ -140,14 +140,14 @@ def check_passages(vessels: Sequence[Vessel], navigable: NDArray[np.bool_], pitc
     if not navigable.any():
         raise UserError(
             f"map of {navigable.shape[0]} x {navigable.shape[1]} cells: no water; "
-            "mark cells that hulls can use as navigable"
+            "mark cells that vessels can use as navigable"
         )
     cells = narrowest_passage(navigable)
     for vessel in vessels:
         needed = float(np.hypot(vessel.length_m, vessel.beam_m))
         if needed > cells * pitch_m:
             raise UserError(
-                f"vessel {vessel.name}: a hull of {vessel.length_m:g} m x {vessel.beam_m:g} m "
+                f"vessel {vessel.name}: a vessel of {vessel.length_m:g} m x {vessel.beam_m:g} m "
                 f"needs {needed:.2f} m to turn, the narrowest corridor is {cells * pitch_m:g} m "
                 f"wide; raise the pitch above {needed / cells:.2f} m or take a smaller vessel"
             )
@@ -172,13 +172,13 @@ def _check_items(items: int, classes: Sequence[DebrisClass]) -> None:
 def _numbers(
     spec: mujoco.MjSpec, vessels: Sequence[Vessel], items: int, classes: Sequence[DebrisClass]
 ) -> None:
-    """What the callback reads, before any other numeric (see `callback.model_layout`)."""
+    """Numerics of the callback, before any other numeric (see `callback.model_layout`)."""
     header = [MAGIC, len(vessels), items, len(classes), INSTANT]
     assert len(header) == HEADER
     table = [[c.mass_kg + c.added_mass_kg, c.air, c.water] for c in classes]
     spec.add_numeric(name=HEADER_NAME, data=np.array(header), size=HEADER)
-    for i, hull in enumerate(pack_fleet(vessels).view(np.float64).reshape(-1, HULL_WIDTH)):
-        spec.add_numeric(name=f"{HEADER_NAME}-vessel-{i}", data=hull, size=HULL_WIDTH)
+    for i, hull in enumerate(pack_fleet(vessels).view(np.float64).reshape(-1, VESSEL_WIDTH)):
+        spec.add_numeric(name=f"{HEADER_NAME}-vessel-{i}", data=hull, size=VESSEL_WIDTH)
     flat = np.array(table, np.float64).reshape(-1)
     if flat.size:
         spec.add_numeric(name=f"{HEADER_NAME}-items", data=flat, size=CLASS_WIDTH * len(classes))

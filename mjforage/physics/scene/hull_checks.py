@@ -59,7 +59,7 @@ def _check_axis(joint: mujoco.MjsJoint, where: str) -> None:
 
 
 def _check_compiled(part: mujoco.MjSpec, where: str) -> None:
-    """What MuJoCo makes of the part, with its defaults, frames and angles worked in."""
+    """Check the compiled part, with its defaults, frames and angles worked in."""
     copy = part.copy()
     body = copy.body("hull")  # its inertia comes from the vessel's parameters later
     body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0, 1.0, 1.0]
@@ -116,5 +116,5 @@ def _check_geoms(model: mujoco.MjModel, where: str) -> None:
 
 
 def _moved(pos: np.ndarray, quat: np.ndarray) -> bool:
-    """Whether a frame lies elsewhere than its parent or is turned."""
+    """True if a frame lies elsewhere than its parent or is turned."""
     return bool(pos.any() or np.abs(quat[1:]).max() > LEAST_TURN)

@@ -57,4 +57,6 @@ def check_warnings(
             f"physics: unstable at {where}, body {body} ({label}); take a smaller time step, or "
             "check the vessel's parameters and commands"
         )
-    raise InstabilityError(f"physics: MuJoCo warning {label} at {where}; use fewer items or hulls")
+    raise InstabilityError(
+        f"physics: MuJoCo warning {label} at {where}; use fewer items or vessels"
+    )

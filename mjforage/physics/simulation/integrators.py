@@ -1,8 +1,8 @@
 """The two ways of stepping: fast for training, reference for proof.
 
-Both advance a boat by its own equation of motion between contacts. The fast one is semi-implicit
-Euler, q' then q, with the mean acceleration that one Runge-Kutta step of the boat predicts. That is
-a leapfrog: its positions belong to half a step after its velocities. The callback allows for it,
+Both advance a vessel by its own equation of motion between contacts. The fast one is semi-implicit
+Euler, q' then q, with the mean acceleration that one Runge-Kutta step of the vessel predicts. That
+is a leapfrog: its positions belong to half a step after its velocities. The callback allows for it,
 and `half_step_s` lets readings undo it, which makes the pair of second order.
 """
 
@@ -14,7 +14,7 @@ from mjforage.physics.callback.model_layout import AVERAGED, INSTANT, SCHEME
 
 
 class Integrator(Enum):
-    """How a simulation is stepped."""
+    """The two ways to step a simulation."""
 
     FAST = "fast"
     """Euler with forces averaged over the step."""

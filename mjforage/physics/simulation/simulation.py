@@ -13,29 +13,29 @@ from mjforage.physics.callback import install
 from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
     HEADER,
-    HULL_WIDTH,
     INPUT_WIDTH,
     LOAD,
     VESSEL_DOFS,
+    VESSEL_WIDTH,
     WATER,
     WIND,
 )
-from mjforage.physics.floating import Afloat, Bodies, Quays, drift, lend, quays_of, take_back
+from mjforage.physics.floating import Afloat, Bodies, Quays, activate, drift, quays_of, sync_items
 from mjforage.physics.scene import Scene, parking_xy, with_bodies
 from mjforage.physics.simulation.instability import InstabilityError, check_warnings
 from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
-from mjforage.physics.simulation.quiet import silent
+from mjforage.physics.simulation.suppressed_warnings import warnings_suppressed
 
 Float64Array = NDArray[np.float64]
 
-LOAN_S = 0.1  # for which items are lent bodies, a step at least
-CLOSING_MPS = 5.0  # faster than any hull comes to an item
+ACTIVE_S = 0.1  # for which items are active bodies, a step at least
+CLOSING_MPS = 5.0  # faster than any vessel comes to an item
 MOST_BODIES = 1024  # of a scene; MuJoCo takes a minute to build it, four for twice as many
-SPARE = 2  # bodies never lent: the last numbers of MuJoCo's sums, which are added in blocks of four
+POOL_SPARE = 2  # bodies never active: the last numbers of MuJoCo's sums, added in blocks of four
 STRIDE = 4  # by which pools grow: a few sizes, so that their scenes are built once
 _ENGAGED = (
     *("engine", "model", "time_s", "commands", "thruster_state", "vessel_wind", "vessel_water"),
-    *("load", "_pose", "_velocity", "_bodies", "_lend", "_take_back", "_drift"),
+    *("load", "_pose", "_velocity", "_bodies", "_activate", "_sync_items", "_drift"),
 )
 """What a simulation makes anew with every engine."""
 _CARRIED = ("time", "qpos", "qvel", "act", "qacc_warmstart", "ctrl", "userdata")
@@ -44,8 +44,8 @@ _CARRIED = ("time", "qpos", "qvel", "act", "qacc_warmstart", "ctrl", "userdata")
 class Simulation:
     """A batch of simulations.
 
-    Hulls move in MuJoCo, and so do items near hulls; the others move in `physics.floating` by the
-    same equations. Bodies are lent from the scene's pool, which grows where it has too few.
+    Vessels move in MuJoCo, and so do items near vessels; the others move in `physics.floating` by
+    the same equations. Bodies are active from the scene's pool, which grows where it has too few.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class Simulation:
             _check_lags(scene, step_s)
         self.items = scene.items if items is None else items
         if bool(self.items) != bool(scene.items):
-            scene = with_bodies(scene, self.items and SPARE + 1)
+            scene = with_bodies(scene, self.items and POOL_SPARE + 1)
         self._threads = threads
         self._shift_s = half_step_s(integrator, step_s)
         self._every = np.arange(simulations)
@@ -114,7 +114,7 @@ class Simulation:
         self.item_class = self._afloat.kind
         self._parking = parking_xy(self.items)
         self._sizes = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in scene.vessels])
-        self._loan = max(1, int(LOAN_S / step_s + 1e-9))  # steps
+        self._active_steps = max(1, int(ACTIVE_S / step_s + 1e-9))  # steps
         self._engage(scene)
         self.place_items(self._parking, -1)
 
@@ -132,8 +132,8 @@ class Simulation:
             part[:] = content
 
     def _engine_parts(self) -> tuple[NDArray[Any], ...]:
-        """What an engine remembers, and which bodies are lent, live."""
-        return self.engine.state, self.engine.warning, self._bodies.holder
+        """State and warnings of the engine, and the items of active bodies, live."""
+        return self.engine.state, self.engine.warning, self._bodies.item_of
 
     def _engage(self, scene: Scene) -> None:
         """Take a scene, with an engine of its own."""
@@ -143,19 +143,19 @@ class Simulation:
         self.engine = Batch(self.model, self.simulations, self._threads)
         self._bind(len(scene.vessels))
         if scene.items:
-            table, kinds = HEADER + len(scene.vessels) * HULL_WIDTH, self._afloat.kinds
+            table, kinds = HEADER + len(scene.vessels) * VESSEL_WIDTH, self._afloat.kinds
             kinds.flat[:] = self.model.numeric_data[table : table + kinds.size]
             first = int(self.model.dof_bodyid[VESSEL_DOFS * len(scene.vessels)])
             quays = quays_of(self.model, first, scene.land, scene.pitch_m)
-            self._reach = quays.radius_m + CLOSING_MPS * self._loan * self.step_s
+            self._reach = quays.radius_m + CLOSING_MPS * self._active_steps * self.step_s
             self._prepare(quays)
 
     def _prepare(self, quays: Quays) -> None:
         """The kernels of items, with their arrays."""
         items, bodies = self._afloat, self._bodies
         averaged = self._integrator is Integrator.FAST
-        self._lend = BoundKernel(lend, items, bodies, self._pose, self._sizes, self._reach)
-        self._take_back = BoundKernel(take_back, items, bodies)
+        self._activate = BoundKernel(activate, items, bodies, self._pose, self._sizes, self._reach)
+        self._sync_items = BoundKernel(sync_items, items, bodies)
         self._drift = BoundKernel(drift, items, quays, self.step_s, averaged)
 
     def _bind(self, vessels: int) -> None:
@@ -181,7 +181,7 @@ class Simulation:
             theirs[..., LOAD],
             self.scene.parking,
             np.full((n, bodies), -1, np.int64),
-            max(bodies - SPARE, 0),
+            max(bodies - POOL_SPARE, 0),
         )
 
     def _grow(self, bodies: int) -> None:
@@ -194,11 +194,11 @@ class Simulation:
         """
         if bodies > MOST_BODIES:
             raise UserError(
-                f"physics: {bodies} items within {self._reach:g} m of hulls, at most "
+                f"physics: {bodies} items within {self._reach:g} m of vessels, at most "
                 f"{MOST_BODIES} can be; lower items.mean, or give --set physics.items=graph"
             )
         before = self.engine
-        self._engage(with_bodies(self.scene, -(-(bodies + SPARE) // STRIDE) * STRIDE))
+        self._engage(with_bodies(self.scene, -(-(bodies + POOL_SPARE) // STRIDE) * STRIDE))
         for name in _CARRIED:
             old, new = before.bind(name), self.engine.bind(name)
             if old.ndim == 1:
@@ -318,33 +318,33 @@ class Simulation:
         InstabilityError
             If one of them became unstable, naming its seed, the time and the body.
         UserError
-            If more items are near hulls than there can be bodies.
+            If more items are near vessels than there can be bodies.
         """
         chosen = self._every if ids is None else self._every[ids]
         before = self.time_s.copy()
         install()
-        with silent():
+        with warnings_suppressed():
             if self.items:
-                for done in range(0, steps, self._loan):
-                    self._step_items(chosen, min(self._loan, steps - done))
+                for done in range(0, steps, self._active_steps):
+                    self._step_items(chosen, min(self._active_steps, steps - done))
             else:
                 self.engine.step(None if ids is None else chosen, nstep=steps)
         check_warnings(self.model, self.engine.warning, chosen, self.seeds, before)
 
     def _step_items(self, ids: NDArray[np.intp], steps: int) -> None:
-        """Advance hulls and items by at most `_loan` steps.
+        """Advance vessels and items by at most `_active_steps` steps.
 
         Raises
         ------
         InstabilityError
             If an item became unstable.
         """
-        wanted = self._lend(ids)
+        wanted = self._activate(ids)
         if wanted > self._bodies.most:
             self._grow(wanted)
-            self._lend(ids)
+            self._activate(ids)
         self.engine.step(ids if len(ids) < self.simulations else None, nstep=steps)
-        self._take_back(ids)
+        self._sync_items(ids)
         sim, item = self._drift(ids, steps)
         if item >= 0:
             raise InstabilityError(

@@ -1,4 +1,4 @@
-"""One seeded weather for boats and debris: wind with gusts and lees, streams and circulation.
+"""One seeded weather for vessels and debris: wind with gusts and lees, streams and circulation.
 
 A value is a function of (seed, episode, time, place) and of nothing else: no time step, no order
 of queries, no batch. `WeatherSettings` says what the weather is like, `Field` answers queries.

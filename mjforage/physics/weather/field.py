@@ -13,7 +13,7 @@ from mjforage.mission.initial_state import LEEWAY, item_noise, steady_vectors
 from mjforage.physics.weather.flow import Flow, flow_in
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
 from mjforage.physics.weather.settings import WeatherSettings
-from mjforage.physics.weather.shelter import NO_SHELTER, Shelter, lee, shelter_of
+from mjforage.physics.weather.shelter import NO_SHELTER, Shelter, shelter_of, wind_share
 from mjforage.physics.weather.stream_element import stream_velocity
 from mjforage.scenario.bearings import direction
 
@@ -66,7 +66,7 @@ def _wind(
         for p in range(xy.shape[1]):
             share = 1.0
             if shelter.length_m > 0.0:
-                share = lee(shelter, xy[e, p, 0], xy[e, p, 1], u, v)
+                share = wind_share(shelter, xy[e, p, 0], xy[e, p, 1], u, v)
             out[e, p, 0], out[e, p, 1] = share * wind_u, share * wind_v
     return out
 
@@ -78,7 +78,7 @@ def _sheltered(xy: FloatArray, mean: FloatArray, shelter: Shelter) -> FloatArray
     if shelter.length_m > 0.0:
         for e in range(xy.shape[0]):
             for p in range(xy.shape[1]):
-                out[e, p] = lee(shelter, xy[e, p, 0], xy[e, p, 1], mean[e, 0], mean[e, 1])
+                out[e, p] = wind_share(shelter, xy[e, p, 0], xy[e, p, 1], mean[e, 0], mean[e, 1])
     return out
 
 
@@ -281,7 +281,7 @@ class Field:
         )
 
     def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:
-        """What an item's own water adds to the current: the paper's noise, held for a period.
+        """Velocity that an item's own water adds to the current: noise, held for a period.
 
         Period n starts at n `item_noise_period_s` and has the draws of the graph's step n + 1.
 

@@ -71,7 +71,7 @@ OPEN_SEA = Flow(np.empty((0, 0, 4, 3)), 1.0, 0.0)  # without a map: the free str
 
 
 def has_open_border(graph: NavigationGraph) -> bool:
-    """Whether there is water at the edge of the map, where streams come in and go out."""
+    """True if there is water at the edge of the map, where streams come in and go out."""
     water = graph.navigable
     return bool(water[[0, -1]].any() or water[:, [0, -1]].any())
 
@@ -116,7 +116,7 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
 
 
 def flow_in(settings: WeatherSettings, graph: NavigationGraph | None) -> Flow:
-    """What streams and circulation are like on a map.
+    """Flow of streams and circulation on a map.
 
     Parameters
     ----------

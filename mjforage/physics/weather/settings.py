@@ -1,4 +1,4 @@
-"""What the weather is like: mean wind, gusts, currents, and the paper's drift."""
+"""Settings of the weather: mean wind, gusts, currents, and the paper's drift."""
 
 import math
 from dataclasses import dataclass

@@ -73,7 +73,7 @@ def upwind_land_m(shelter: Shelter, x: float, y: float, u: float, v: float) -> f
 
 
 @kernel
-def lee(shelter: Shelter, x: float, y: float, u: float, v: float) -> float:
+def wind_share(shelter: Shelter, x: float, y: float, u: float, v: float) -> float:
     """Share of the wind (u, v) [m/s] that is left at (x, y) [m]."""
     way = upwind_land_m(shelter, x, y, u, v)
     if way <= shelter.length_m:

@@ -195,7 +195,7 @@ def test_without_hotspots_scouts_look_where_nobody_has_looked_for_long() -> None
     assert int(preferences(FAST, task, observation)[0, 0].argmax()) in (NE, E, SE)
 
 
-def foretold(seen: list[tuple[tuple[int, int], ...]], detection: float = 1.0) -> float:
+def run_warnings(seen: list[tuple[tuple[int, int], ...]], detection: float = 1.0) -> float:
     """Chance of an item in (15, 15) after decisions by what is seen around it, known items only."""
     watch = Watch((15, 13), Prior(detection=detection))
     for step, items in enumerate(seen, 1):
@@ -208,10 +208,10 @@ def foretold(seen: list[tuple[tuple[int, int], ...]], detection: float = 1.0) ->
 def test_a_known_item_is_foretold_by_its_chance() -> None:
     """In view it is there with .95; missed once by eyes that see half of all, with .8182."""
     here = (15, 15)
-    assert foretold([(here,)]) == pytest.approx(0.95)
-    assert foretold([(here, here)]) == pytest.approx(1.0 - 0.05**2)
-    assert foretold([(here,), ()], detection=0.5) == pytest.approx(0.8182, abs=1e-4)
-    assert foretold([((15, 16),)]) == 0.0
+    assert run_warnings([(here,)]) == pytest.approx(0.95)
+    assert run_warnings([(here, here)]) == pytest.approx(1.0 - 0.05**2)
+    assert run_warnings([(here,), ()], detection=0.5) == pytest.approx(0.8182, abs=1e-4)
+    assert run_warnings([((15, 16),)]) == 0.0
 
 
 @pytest.mark.parametrize("name", ["belief", "oracle"])

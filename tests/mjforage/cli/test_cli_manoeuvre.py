@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from mjforage.scenario.vessel_files import vessel_path
 
@@ -195,5 +195,5 @@ def test_the_tuning_that_a_file_leaves_open_can_be_seen_and_kept(
     assert printed.startswith(own.read_text()) and 'unit = "rad/s", source = "from mass' in printed
     kept.write_text(printed)
     assert load_vessel(own).control is None and load_vessel(kept).control is not None
-    assert helm_of(load_vessel(kept)) == helm_of(load_vessel(own))
+    assert vessel_model(load_vessel(kept)) == vessel_model(load_vessel(own))
     assert command("vessels", kept).out == printed

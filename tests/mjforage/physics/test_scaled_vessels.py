@@ -63,7 +63,7 @@ def test_a_factor_changes_its_numbers_and_no_others(name: str, key: str) -> None
 
 def spied(monkeypatch: pytest.MonkeyPatch, scale: dict[str, float]) -> dict[str, list[Any]]:
     """What the MuJoCo world is built of, and what its controllers are told."""
-    heard: dict[str, list[Any]] = {"fleet_scene": [], "helm_of": [], "pack_fleet": []}
+    heard: dict[str, list[Any]] = {"fleet_scene": [], "vessel_model": [], "pack_fleet": []}
     for name, found in heard.items():
         original = getattr(mujoco_dynamics, name)
 
@@ -92,7 +92,7 @@ def test_hulls_in_mujoco_are_scaled_and_their_controllers_do_not_know(
     assert heavy["pack_fleet"][0]["mass"] == pytest.approx(1.2 * plain["pack_fleet"][0]["mass"])
     drag = [one["pack_fleet"][0]["linear_sway"] for one in (plain, heavy)]
     assert drag[1] == pytest.approx(1.3 * drag[0])
-    assert heavy["helm_of"] == plain["helm_of"]
+    assert heavy["vessel_model"] == plain["vessel_model"]
 
 
 @pytest.mark.parametrize(

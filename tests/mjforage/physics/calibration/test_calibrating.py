@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mjforage.mission.capture_rule import capture_cell
-from mjforage.physics.calibration import taken_in
+from mjforage.physics.calibration import collected_in
 from mjforage.physics.calibration.drawing import draw, seen_from_hull
 from mjforage.physics.vessels import load_vessel
 from mjforage.scenario.capture import FROM_DEG, FROM_M, QUAYS, Quays, load_capture
@@ -32,7 +32,7 @@ def test_fresh_trials_agree_with_the_shipped_model(quays: Quays) -> None:
     """Sums over all cells, within four standard deviations of both counts."""
     model = {(c.from_m, c.from_deg): c for c in load_capture("forager").cells if c.quays == quays}
     trials = draw(np.random.default_rng(99), FORAGER, quays, 250)
-    found = taken_in("forager", trials, 2, 99)[:, 0]
+    found = collected_in("forager", trials, 2, 99)[:, 0]
     expected = np.zeros((2, len(found)))
     spread = np.zeros_like(expected)
     apart = trials.items[:, 0] - trials.pose[:, :2]

@@ -43,11 +43,11 @@ def test_hulls_hold_in_a_current_without_touching(preset: str) -> None:
 
 
 def test_hulls_and_items_with_and_without_bodies_feel_one_water() -> None:
-    """In one place at one time: the field's, at hulls, at items, and in the bodies lent to them."""
+    """In one place at one time: the field's, at hulls, at items, and in active bodies."""
     dynamics = holding("channels", 4, 1, "weather.circulation_mps=0.1")
     simulation, now = dynamics._simulation, dynamics._tick * 0.1
     active = np.ones(4, np.bool_)
-    simulation._afloat.q[:, 0] = dynamics._motion.pose[:, 0, :2] + 0.05  # beside a hull: lent
+    simulation._afloat.q[:, 0] = dynamics._motion.pose[:, 0, :2] + 0.05  # beside a hull: active
     dynamics._feel(active)
     simulation.step(1)
     field, items = dynamics._field, simulation._afloat.q
@@ -56,10 +56,10 @@ def test_hulls_and_items_with_and_without_bodies_feel_one_water() -> None:
     )
     assert np.abs(simulation.item_water).max() > 0.05
     bodies = simulation._bodies
-    lent = np.argwhere(bodies.holder >= 0)
-    assert len(lent) >= 4
-    for e, body in lent:
-        k = bodies.holder[e, body]
+    given = np.argwhere(bodies.item_of >= 0)
+    assert len(given) >= 4
+    for e, body in given:
+        k = bodies.item_of[e, body]
         np.testing.assert_array_equal(bodies.water[e, body], simulation.item_water[e, k])
     afloat = simulation.item_class >= 0
     assert np.abs(field.current(now, items) - simulation.item_water)[afloat].max() < 0.02

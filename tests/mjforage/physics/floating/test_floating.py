@@ -23,7 +23,7 @@ def scattered(
     integrator: Integrator,
     closing_mps: float,
     monkeypatch: pytest.MonkeyPatch,
-    bodies: int = ITEMS + simulation.SPARE,
+    bodies: int = ITEMS + simulation.POOL_SPARE,
 ) -> Simulation:
     """Items of all classes all over a basin and a little way onto its quays, and a hull."""
     scene = build_scene([FORAGER], navigable=water, pitch_m=4.0, items=bodies)
@@ -52,7 +52,7 @@ def blow(
     (step, simulation, item, 4) places [m] and velocities [m/s] of the items on the way, and (step,)
     how many of them had bodies
     """
-    rng, way, lent = np.random.default_rng(2), [], []
+    rng, way, active = np.random.default_rng(2), [], []
     if not drive:
         sim.place_vessels(np.array([900.0, 900.0, 0.0]))
     for k in range(round(seconds / 0.1)):
@@ -62,9 +62,9 @@ def blow(
             sim.item_water[:] = 0.1, -0.05
             sim.commands[:] = rng.uniform(-40.0, 90.0, 2) if drive else 0.0
         sim.step(1)
-        lent.append(sim._afloat.lent.sum())
+        active.append(sim._afloat.active.sum())
         way.append(np.concatenate((sim.item_xy, sim.item_velocity), axis=-1))
-    return np.array(way), np.array(lent)
+    return np.array(way), np.array(active)
 
 
 @BOTH
@@ -85,18 +85,18 @@ def test_items_go_over_to_mujoco_and_back_without_a_jump(
     integrator: Integrator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A hull that drives through them, pushes some and pins some to quays does so all the same."""
-    lent = scattered(BASIN, integrator, simulation.CLOSING_MPS, monkeypatch, bodies=3)
+    active = scattered(BASIN, integrator, simulation.CLOSING_MPS, monkeypatch, bodies=3)
     all_bodies = scattered(BASIN, integrator, ALWAYS, monkeypatch)
     unpushed = scattered(BASIN, integrator, NEVER, monkeypatch)
     ways, bodies = zip(
-        *(blow(sim, 60.0, drive=True) for sim in (lent, all_bodies, unpushed)), strict=True
+        *(blow(sim, 60.0, drive=True) for sim in (active, all_bodies, unpushed)), strict=True
     )
     assert bodies[0].min() < bodies[0].max() < bodies[1].min() == RUNS * ITEMS
-    np.testing.assert_allclose(lent.vessel_pose, all_bodies.vessel_pose, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(active.vessel_pose, all_bodies.vessel_pose, rtol=0, atol=1e-6)
     np.testing.assert_allclose(ways[0], ways[1], rtol=0, atol=1e-6)
     pushed = np.abs(ways[0] - ways[2])[-1, ..., :2].max(axis=-1) > 0.05
     assert pushed.sum() >= 3
-    assert 3 < lent.scene.items < ITEMS
+    assert 3 < active.scene.items < ITEMS
 
 
 def test_water_that_is_no_number_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

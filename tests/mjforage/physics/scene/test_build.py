@@ -91,7 +91,7 @@ def test_looks_add_nothing_that_touches() -> None:
 def test_a_hull_too_large_for_its_corridor_is_named() -> None:
     check_passages([SCOUT, FORAGER], PORT, 4.0)
     with pytest.raises(
-        UserError, match=r"forager: a hull of 2 m x 1.08 m needs 2.27 m to turn, .* 2 m"
+        UserError, match=r"forager: a vessel of 2 m x 1.08 m needs 2.27 m to turn, .* 2 m"
     ):
         build_scene([SCOUT, FORAGER], navigable=PORT, pitch_m=1.0)
 

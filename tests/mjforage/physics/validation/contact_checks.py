@@ -10,9 +10,15 @@ from scipy.integrate import quad
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.dynamics import start_state
 from mjforage.mission.initial_state import InitialState
-from mjforage.physics.dynamics.picking import Reach, take_at_mouth
+from mjforage.physics.dynamics.collecting import Reach, collect_at_mouth
+from mjforage.physics.dynamics.period_monitor import (
+    MonitorSetup,
+    Motion,
+    PeriodRecord,
+    Tick,
+    monitor,
+)
 from mjforage.physics.dynamics.tracks import Water
-from mjforage.physics.dynamics.watch import Harbour, Motion, Tick, Watched, watch
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
@@ -206,19 +212,19 @@ def _taken(places: Float64Array, room: int = 10_000, collects: bool = True) -> N
     size = np.array([[0.5 * forager.length_m, 0.5 * forager.beam_m]])
     reach = Reach(np.array([collects]), size, Water(np.zeros((0, 0), np.bool_), PITCH_M), False)
     pose, left = np.array([[[5.0, -3.0, yaw]]]), np.array([[room]], np.int64)
-    take_at_mouth(reach, np.ones(1, np.bool_), pose, xy[None], left, state)
+    collect_at_mouth(reach, np.ones(1, np.bool_), pose, xy[None], left, state)
     return np.asarray(state.item_node[0] < 0)
 
 
 def noted(
     simulation: Simulation, vessels: list[Vessel], seconds: float, until_touch: bool = False
-) -> Watched:
+) -> PeriodRecord:
     """What a mission notes of a simulation in the basin, for a time, or until the first touch."""
     size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in vessels])
     framed = np.pad(np.arange(25, dtype=np.int32).reshape(5, 5), 1, constant_values=-1)
-    harbour = Harbour(pack_fleet(vessels), size, framed, simulation.scene.pitch_m, STEP_S)
+    setup = MonitorSetup(pack_fleet(vessels), size, framed, simulation.scene.pitch_m, STEP_S)
     shape = (1, len(vessels))
-    seen, on = Watched.of(shape), np.ones(1, np.bool_)
+    seen, on = PeriodRecord.of(shape), np.ones(1, np.bool_)
     for _ in range(round(seconds / STEP_S)):
         before = Motion(simulation.vessel_pose, simulation.vessel_velocity)
         simulation.step(round(STEP_S / simulation.step_s))
@@ -230,7 +236,7 @@ def noted(
             water=simulation.vessel_water,
             lagged=simulation.thruster_state,
         )
-        watch(harbour, seen, on, tick)
+        monitor(setup, seen, on, tick)
         if until_touch and seen.touching.any():
             break
     return seen

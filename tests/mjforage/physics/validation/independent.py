@@ -82,7 +82,7 @@ def _rotation(roll: float, pitch: float, yaw: float) -> Array:
 
 
 class IndependentOtter:
-    """A `Hull` that is always the plain Otter; our east is its north, our north its west."""
+    """The plain Otter as a `SimulatedVessel`; our east is its north, our north its west."""
 
     def __init__(self, vessel: Vessel, conditions: Conditions) -> None:
         del vessel  # the numbers are its own

@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 from mjforage.physics.hydrodynamics.conditions import Conditions, to_body
 from mjforage.physics.manoeuvre import Trajectory, key_figures, run_test
 from mjforage.physics.simulation import Integrator
-from mjforage.physics.simulation.mujoco_hull import MujocoHull
+from mjforage.physics.simulation.mujoco_vessel import MujocoVessel
 from mjforage.physics.vessel_checks import (
     HARD,
     STEP_S,
@@ -87,7 +87,7 @@ def turning_circle() -> Measures:
     vessel, (u, v, r) = load_vessel("otter"), steady_turn()
     speed, found = math.hypot(u, v), []
     for side, test in SIDES.items():
-        run, sign = run_test(vessel, test, simulate=MujocoHull), 1.0 if side == "port" else -1.0
+        run, sign = run_test(vessel, test, simulate=MujocoVessel), 1.0 if side == "port" else -1.0
         key, angle = figures(run), sign * math.degrees(math.atan2(v, u))
         rate = float(run.states[-1, 5])
         found += [
@@ -97,7 +97,7 @@ def turning_circle() -> Measures:
             near(f"{side}: drift angle", key["drift_angle"], angle, 0.05, "deg"),
         ]
     here = Conditions(current_mps=(0.24, -0.1))
-    carried = figures(run_test(vessel, SIDES["port"], here, simulate=MujocoHull))
+    carried = figures(run_test(vessel, SIDES["port"], here, simulate=MujocoVessel))
     found.append(near_share("centre's drift in the current", carried["centre_drift"], 0.26, 0.02))
     units = {"turning_speed": "m/s", "turning_diameter": "m", "drift_angle": "deg"}
     for name, load in CASES:
@@ -108,8 +108,8 @@ def turning_circle() -> Measures:
 def _against_momentum(
     test: str, name: str, load: float, seconds: float | None, share: float, units: dict[str, str]
 ) -> Measures:
-    """Key figures of a vessel against those of `MomentumHull`."""
-    hull = partial(MujocoHull, load=load)
+    """Key figures of a vessel against those of `MomentumVessel`."""
+    hull = partial(MujocoVessel, load=load)
     ours = run_test(load_vessel(name), test, duration_s=seconds, simulate=hull)
     theirs = momentum_run(test, name, load, float(ours.times_s[-1]))
     return _compared(case_name(name, load), ours, theirs, share, units)
@@ -140,10 +140,10 @@ def zigzag() -> Measures:
     """
     found: Measures = []
     for kind, test in (("10/10", "zigzag"), ("20/20", "zigzag-20")):
-        ours = run_test(load_vessel("otter"), test, simulate=MujocoHull)
+        ours = run_test(load_vessel("otter"), test, simulate=MujocoVessel)
         found += _overshoots(f"otter {kind}", ours, independent_run(test), 0.05)
     for name, load in CASES:
-        hull = partial(MujocoHull, load=load)
+        hull = partial(MujocoVessel, load=load)
         ours = run_test(load_vessel(name), "zigzag-20", duration_s=60.0, simulate=hull)
         theirs = momentum_run("zigzag-20", name, load, 60.0)
         found += _overshoots(f"{case_name(name, load)} 20/20", ours, theirs, 0.02)
@@ -169,7 +169,7 @@ def crash_stop() -> Measures:
     of vessel and water.
     """
     units = {"top_speed": "m/s", "stopping_time": "s", "stopping_distance": "m"}
-    run = run_test(load_vessel("otter"), "stop", simulate=MujocoHull)
+    run = run_test(load_vessel("otter"), "stop", simulate=MujocoVessel)
     label = "otter, six degrees of freedom"
     found = _compared(label, run, independent_run("stop"), 0.01, units)
     for name, load in CASES:

@@ -71,8 +71,8 @@ def _cross_flow(vessel: Vessel, v: float, r: float) -> tuple[float, float]:
     return force, moment
 
 
-class MomentumHull:
-    """A `Hull` of any vessel; our east is its north, our north its west.
+class MomentumVessel:
+    """A `SimulatedVessel` of any vessel; our east is its north, our north its west.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from mjforage.physics.simulation import Integrator
 from mjforage.physics.vessel_checks import STEP_S, Float64Array, Schedule, command_at
 from mjforage.physics.vessels import Vessel, load_vessel
 from tests.mjforage.physics.validation.independent import IndependentOtter
-from tests.mjforage.physics.validation.momentum import MomentumHull
+from tests.mjforage.physics.validation.momentum import MomentumVessel
 
 VESSELS = ("forager", "ideal", "otter", "scout")
 TURN: Schedule = ((0.0, 0.33, 0.15),)  # shares of the largest thrust
@@ -47,8 +47,8 @@ def momentum_rows(
     load: float = 0.0,
     seconds: float = 60.0,
 ) -> Float64Array:
-    """(row, 6) what `run_schedule` gives, of the independent vessel `MomentumHull`."""
-    hull = MomentumHull(vessel, conditions or Conditions(), load)
+    """(row, 6) what `run_schedule` gives, of the independent vessel `MomentumVessel`."""
+    hull = MomentumVessel(vessel, conditions or Conditions(), load)
     rows = [hull.state()]
     for k in range(round(seconds / STEP_S)):
         hull.step(*command_at(schedule, k * STEP_S), STEP_S)
@@ -58,6 +58,6 @@ def momentum_rows(
 
 @cache
 def momentum_run(test: str, name: str, load: float, seconds: float) -> Trajectory:
-    """A standard test of the independent vessel `MomentumHull`."""
-    hull = partial(MomentumHull, load=load)
+    """A standard test of the independent vessel `MomentumVessel`."""
+    hull = partial(MomentumVessel, load=load)
     return run_test(load_vessel(name), test, duration_s=seconds, simulate=hull)

@@ -8,7 +8,7 @@ from scipy.linalg import eigvals
 
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.manoeuvre import Schedule, run_manoeuvre
-from mjforage.physics.simulation.mujoco_hull import MujocoHull
+from mjforage.physics.simulation.mujoco_vessel import MujocoVessel
 from mjforage.physics.vessels import load_vessel
 from tests.mjforage.physics.validation import independent
 from tests.mjforage.physics.validation.independent import IndependentOtter
@@ -42,7 +42,7 @@ def test_schedules_give_the_same_motion(case: str) -> None:
     schedule = Schedule(tuple(t for t, _, _ in rows), tuple((a, b) for _, a, b in rows))
     ours, theirs = (
         run_manoeuvre(OTTER, schedule, conditions, seconds, simulate=kind).states
-        for kind in (MujocoHull, IndependentOtter)
+        for kind in (MujocoVessel, IndependentOtter)
     )
     off = np.abs(ours - theirs).max(axis=0)
     assert np.hypot(*off[:2]) < 0.04
@@ -78,6 +78,6 @@ def test_straight_course_loses_its_stability_between(speed: float, unstable: boo
     command = math.sqrt(77.55 * speed / 2.0 / independent.K_AHEAD)
     start = Conditions(velocity_mps=(speed, 0.0), yaw_rate_radps=1e-4)
     steady = Schedule((0.0,), ((command, command),))
-    run = run_manoeuvre(OTTER, steady, start, 120.0, simulate=MujocoHull)
+    run = run_manoeuvre(OTTER, steady, start, 120.0, simulate=MujocoVessel)
     early, late = np.abs(run.states[[400, -1], 5])
     assert (late > early) == unstable

@@ -7,7 +7,7 @@ import pytest
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.vessels import load_vessel
 from tests.mjforage.physics.validation.manoeuvre_checks import steady_turn
-from tests.mjforage.physics.validation.momentum import MomentumHull, wind_load
+from tests.mjforage.physics.validation.momentum import MomentumVessel, wind_load
 from tests.mjforage.physics.validation.motion_checks import leeway
 
 
@@ -21,7 +21,7 @@ def test_drift_is_that_of_an_integration_by_others(name: str, shares: tuple[floa
 
 
 def test_beam_to_the_wind_it_drifts_at_its_leeway() -> None:
-    hull = MomentumHull(load_vessel("forager"), Conditions((0.2, 0.1), (0.2, 10.1), 0.0))
+    hull = MomentumVessel(load_vessel("forager"), Conditions((0.2, 0.1), (0.2, 10.1), 0.0))
     hull.step(0.0, 0.0, 60.0)
     _, _, yaw, surge, sway, _ = hull.state()
     assert yaw == pytest.approx(0.0, abs=1e-9)
@@ -31,7 +31,7 @@ def test_beam_to_the_wind_it_drifts_at_its_leeway() -> None:
 
 def test_it_turns_at_the_balance_of_forces() -> None:
     otter = load_vessel("otter")
-    hull, most = MomentumHull(otter, Conditions()), otter.thruster.command_range[1]
+    hull, most = MomentumVessel(otter, Conditions()), otter.thruster.command_range[1]
     hull.step(math.sqrt(0.2) * most, math.sqrt(0.6) * most, 90.0)
     assert hull.state()[3:] == pytest.approx(steady_turn(), rel=1e-4)
 

@@ -8,7 +8,7 @@ import pytest
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.physics.weather import Field, WeatherSettings
-from mjforage.physics.weather.shelter import CALM, lee, shelter_of, upwind_land_m
+from mjforage.physics.weather.shelter import CALM, shelter_of, upwind_land_m, wind_share
 from mjforage.scenario.maps import load_map
 
 PITCH, HEIGHT = 4.0, 3.0
@@ -36,7 +36,7 @@ def test_wind_recovers_behind_land(times: float) -> None:
     x = edge + times * CALM * HEIGHT
     assert upwind_land_m(shelter, x, y, 2.0, 0.0) == pytest.approx(x - edge, rel=1e-12)
     expected = 1.0 - times**-1.5
-    assert lee(shelter, x, y, 2.0, 0.0) == pytest.approx(expected, abs=1e-9)
+    assert wind_share(shelter, x, y, 2.0, 0.0) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_wind_recovers_behind_land(times: float) -> None:
 def test_there_is_a_lee_behind_land_only(row: float, column: float, u: float, share: float) -> None:
     graph = wall()
     x, y = graph.metres(np.array([row, column]))
-    assert lee(shelter_of(graph, HEIGHT), x, y, u, 0.0) == share
+    assert wind_share(shelter_of(graph, HEIGHT), x, y, u, 0.0) == share
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -1,4 +1,4 @@
-"""Bodies in MuJoCo for items near hulls: lent before steps, taken back after them."""
+"""A pool of bodies in MuJoCo for items near vessels: activated before steps, then read back."""
 
 import math
 from typing import NamedTuple
@@ -21,13 +21,13 @@ class Bodies(NamedTuple):
     water: Float64Array  # (..., 2) [m/s]
     kind: Float64Array  # class of the item, -1 if the body lies parked
     parking: Float64Array  # (body, 2) [m]
-    holder: NDArray[np.int64]  # the item that has it, for the steps to come
-    most: int  # so many of them are lent
+    item_of: NDArray[np.int64]  # the item that has it, for the steps to come
+    most: int  # so many of them are active
 
 
 @kernel
 def is_near(pose: Float64Array, size: Float64Array, x: float, y: float, reach_m: float) -> bool:
-    """Whether a point lies within `reach_m` of a hull, on each of its axes.
+    """True if a point lies within `reach_m` of a vessel, on each of its axes.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def is_near(pose: Float64Array, size: Float64Array, x: float, y: float, reach_m:
 
 
 @kernel
-def lend(
+def activate(
     afloat: Afloat,
     bodies: Bodies,
     pose: Float64Array,
@@ -54,9 +54,9 @@ def lend(
     reach_m: float,
     ids: NDArray[np.int64],
 ) -> int:
-    """Give the items near hulls their bodies, the first item the first body.
+    """Give the items near vessels their bodies, the first item the first body.
 
-    Who has which depends on nothing but where all are.
+    The assignment depends on nothing but the places.
 
     Parameters
     ----------
@@ -67,17 +67,18 @@ def lend(
     -------
     How many bodies the simulation wanted that wanted most; beyond `Bodies.most` none was given.
     """
-    kind, lent, holder, pool, most = afloat.kind, afloat.lent, bodies.holder, bodies.q.shape[1], 0
+    kind, active, item_of = afloat.kind, afloat.active, bodies.item_of
+    pool, most = bodies.q.shape[1], 0
     for e in ids:
         wanted = 0
         for k in range(kind.shape[1]):
-            lent[e, k] = False
+            active[e, k] = False
             if kind[e, k] < 0.0:
                 continue
             if not is_near(pose[e], size, afloat.q[e, k, 0], afloat.q[e, k, 1], reach_m):
                 continue
             if wanted < bodies.most:
-                lent[e, k], holder[e, wanted] = True, k
+                active[e, k], item_of[e, wanted] = True, k
                 bodies.kind[e, wanted] = kind[e, k]
                 for axis in range(2):
                     bodies.q[e, wanted, axis] = afloat.q[e, k, axis]
@@ -86,7 +87,7 @@ def lend(
                     bodies.water[e, wanted, axis] = afloat.water[e, k, axis]
             wanted += 1
         for body in range(wanted, pool):
-            holder[e, body], bodies.kind[e, body] = -1, -1.0
+            item_of[e, body], bodies.kind[e, body] = -1, -1.0
             for axis in range(2):
                 bodies.q[e, body, axis] = bodies.parking[body, axis]
                 bodies.v[e, body, axis] = 0.0
@@ -95,12 +96,12 @@ def lend(
 
 
 @kernel
-def take_back(afloat: Afloat, bodies: Bodies, ids: NDArray[np.int64]) -> None:
+def sync_items(afloat: Afloat, bodies: Bodies, ids: NDArray[np.int64]) -> None:
     """Read where the items with bodies have come to."""
-    holder = bodies.holder
+    item_of = bodies.item_of
     for e in ids:
-        for body in range(holder.shape[1]):
-            k = holder[e, body]
+        for body in range(item_of.shape[1]):
+            k = item_of[e, body]
             if k < 0:
                 break
             for axis in range(2):

@@ -1,4 +1,4 @@
-"""One hull as its controllers know it: size, inertia, drag, thrusters, tuning; and as a record."""
+"""A vessel as its controllers know it: size, inertia, drag, thrusters, tuning; and as a record."""
 
 from dataclasses import dataclass, fields
 from typing import Any, TypeAlias
@@ -13,7 +13,7 @@ FloatArray: TypeAlias = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Tuning:
-    """What is chosen, not measured, of a hull's controllers."""
+    """The numbers of a vessel's controllers that are chosen, not measured."""
 
     cruise_ahead_mps: float  # speed over ground on a long leg
     cruise_astern_mps: float
@@ -30,14 +30,14 @@ class Tuning:
     drift_gain_mps: float  # kappa of its integral
     hold_bandwidth_radps: float  # of keeping position
     hold_integral_s: float
-    hold_radius_m: float  # how far beside its place a hull may lie before it turns
-    clearance_m: float  # wanted between hulls, and between hull and quay
+    hold_radius_m: float  # how far beside its place a vessel may lie before it turns
+    clearance_m: float  # wanted between vessels, and between vessel and quay
     filter_s: float  # time constant of the filters on measured position and heading
 
 
 @dataclass(frozen=True)
-class Helm:
-    """The numbers of one hull that controllers need.
+class VesselModel:
+    """The numbers of one vessel that controllers need.
 
     Inertia includes added mass; drag is `(linear + quadratic |v|) v` along each axis. The thrust of
     one side is `k c |c|^(exponent - 1)` of the command c, with a k for each way, and nothing inside
@@ -67,8 +67,8 @@ class Helm:
     tuning: Tuning
 
 
-class PackedHelm(Helm, Tuning):
-    """The fields of the record `HELM`: `Helm`, its `Tuning`, and what kernels ask for most.
+class ModelRecord(VesselModel, Tuning):
+    """The fields of the record `MODEL`: `VesselModel`, its `Tuning`, and what kernels ask for most.
 
     For readers and type checkers; it is never made.
     """
@@ -77,17 +77,17 @@ class PackedHelm(Helm, Tuning):
     thrust_high: float  # and full ahead
 
 
-_OWN = tuple(entry.name for entry in fields(Helm) if entry.name != "tuning")
+_OWN = tuple(entry.name for entry in fields(VesselModel) if entry.name != "tuning")
 _CHOSEN = tuple(entry.name for entry in fields(Tuning))
-HELM = record_type((*_OWN, *_CHOSEN, "thrust_low", "thrust_high"))
-HelmArray: TypeAlias = NDArray[Any]  # (vessel,) of `HELM`
+MODEL = record_type((*_OWN, *_CHOSEN, "thrust_low", "thrust_high"))
+ModelArray: TypeAlias = NDArray[Any]  # (vessel,) of `MODEL`
 
 
-def packed(helm: Helm) -> PackedHelm:
-    """A helm as a record of `HELM`, SI units."""
-    own = [getattr(helm, name) for name in _OWN]
-    chosen = [getattr(helm.tuning, name) for name in _CHOSEN]
-    low = -helm.k_astern * abs(helm.command_low) ** helm.exponent
-    high = helm.k_ahead * helm.command_high**helm.exponent
-    record: PackedHelm = np.array([(*own, *chosen, low, high)], HELM)[0]
+def packed(model: VesselModel) -> ModelRecord:
+    """A model as a record of `MODEL`, SI units."""
+    own = [getattr(model, name) for name in _OWN]
+    chosen = [getattr(model.tuning, name) for name in _CHOSEN]
+    low = -model.k_astern * abs(model.command_low) ** model.exponent
+    high = model.k_ahead * model.command_high**model.exponent
+    record: ModelRecord = np.array([(*own, *chosen, low, high)], MODEL)[0]
     return record

@@ -1,4 +1,4 @@
-"""One boat in the plane: its loads, its inertia, and its own equation of motion.
+"""One vessel in the plane: its loads, its inertia, and its own equation of motion.
 
 Midships is the reference point and the hinge of the MuJoCo body; the centre of gravity lies x_g
 ahead of it. MuJoCo solves M(yaw) q'' + bias = force in world axes. Water resists acceleration with
@@ -13,14 +13,14 @@ from typing import NamedTuple
 
 from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.crossflow import cross_flow_slope
-from mjforage.physics.hydrodynamics.parameters import HullParameters
+from mjforage.physics.hydrodynamics.parameters import VesselParameters
 from mjforage.physics.hydrodynamics.thruster import saturated, thruster_force
 from mjforage.physics.hydrodynamics.water_load import hull_force, load_drag, load_mass
 from mjforage.physics.hydrodynamics.wind_load import wind_force, wind_slope
 
 
 class Surroundings(NamedTuple):
-    """What a boat feels beside its own motion, constant over a step."""
+    """Wind, water and load of a vessel, constant over a step."""
 
     wind_x: float  # air over ground [m/s]
     wind_y: float
@@ -39,7 +39,7 @@ class Inertia(NamedTuple):
 
 
 @kernel
-def inertia(p: HullParameters, load: float) -> Inertia:
+def inertia(p: VesselParameters, load: float) -> Inertia:
     """Inertia with `load` items aboard: they lie at midships and add mass only."""
     mass = p.mass + load_mass(p, load)
     return Inertia(
@@ -52,7 +52,7 @@ def inertia(p: HullParameters, load: float) -> Inertia:
 
 @kernel
 def loads(
-    p: HullParameters,
+    p: VesselParameters,
     yaw: float,
     vx: float,
     vy: float,
@@ -80,7 +80,7 @@ def loads(
 
 @kernel
 def acceleration(
-    p: HullParameters,
+    p: VesselParameters,
     mass: Inertia,
     yaw: float,
     vx: float,
@@ -90,7 +90,7 @@ def acceleration(
     moment: float,
     around: Surroundings,
 ) -> tuple[float, float, float]:
-    """World acceleration of midships [m/s2] and yaw acceleration [rad/s2] of the free boat."""
+    """World acceleration of midships [m/s2] and yaw acceleration [rad/s2] of the free vessel."""
     surge, sway, turn = loads(p, yaw, vx, vy, r, force, moment, around)
     ahead = (surge + mass.moment * r * r) / mass.surge
     determinant = mass.sway * mass.yaw - mass.moment * mass.moment
@@ -102,7 +102,7 @@ def acceleration(
 
 @kernel
 def mean_acceleration(
-    p: HullParameters,
+    p: VesselParameters,
     mass: Inertia,
     yaw: float,
     vx: float,
@@ -113,7 +113,7 @@ def mean_acceleration(
     around: Surroundings,
     step_s: float,
 ) -> tuple[float, float, float]:
-    """Mean acceleration of the free boat over the coming step, by one Runge-Kutta step.
+    """Mean acceleration of the free vessel over the coming step, by one Runge-Kutta step.
 
     `command` and `lagged` are (port, starboard); the lag itself is solved exactly.
     """
@@ -152,7 +152,7 @@ def mean_acceleration(
 
 @kernel
 def damping(
-    p: HullParameters, yaw: float, vx: float, vy: float, r: float, around: Surroundings
+    p: VesselParameters, yaw: float, vx: float, vy: float, r: float, around: Surroundings
 ) -> tuple[float, float, float]:
     """Slope of all drag, of water, air and load, in surge, sway [N s/m] and yaw [N m s], each >= 0.
 

@@ -1,45 +1,45 @@
-"""How fast a hull may turn and go where it may touch, by what each of its points closes at.
+"""Contact handling: safe speeds and turns where a vessel may touch, from each point's approach.
 
-Two boxes come nearest at a corner of one of them. A point p of the hull closes at n . (v + r x p)
+Two boxes come nearest at a corner of one of them. A point p of the vessel closes at n . (v + r x p)
 in the direction n of what is nearest to it: no faster than it can brake in the gap, but for the
 speed that a touch may have.
 """
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped
 from mjforage.controllers.chart import LandArray, headland, is_cell_land, is_nearer, way_to_cell
 from mjforage.controllers.guidance import striking_speed
-from mjforage.controllers.helm import PackedHelm
 from mjforage.controllers.legs import REACTION_S
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import ModelRecord
 
 NEAR_M = 0.6  # a gap within which any turn can be braked
-TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another hull may have as much
+TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another vessel may have as much
 QUAY_SHARE = 0.8  # of the brake that is counted on, for turning takes thrust too
-HULL_SHARE = 0.6  # of the same before other hulls, which move
+HULL_SHARE = 0.6  # of the same before other vessels, which move
 INSET_M = 0.05  # of the points, so that one that touches is not yet inside
 BLUR_M = 0.02  # by which a gap may be smaller than it is measured
-LEANING_M = 0.05  # a gap below which a hull leans on what is there
+LEANING_M = 0.05  # a gap below which a vessel leans on what is there
 HEADED = 0.2  # share of the speed ahead that must go towards a point to be limited for it
 
 
 @kernel
-def pressing(s: VesselState, p: PackedHelm) -> float:
-    """Force to port [N] with which the water that passes a hull aside takes it along."""
+def pressing(s: VesselState, p: ModelRecord) -> float:
+    """Force to port [N] with which the water that passes a vessel aside takes it along."""
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     flow = c * (s.drift_y - s.vy) - t * (s.drift_x - s.vx)
     return float((p.linear_sway + p.quadratic_sway * abs(flow)) * flow)
 
 
 @kernel
-def lean(s: VesselState, p: PackedHelm, force: float, lever: float) -> None:
-    """Note that a hull leans with one of its points, pressed by a force [N], at a lever [m].
+def note_contact(s: VesselState, p: ModelRecord, force: float, lever: float) -> None:
+    """Note that a vessel leans with one of its points, pressed by a force [N], at a lever [m].
 
     To turn off from there it must lift the rest of itself around that point.
     """
-    s.leans = 1.0
+    s.in_contact = 1.0
     if lever > 0.0:
         s.load_port = max(s.load_port, force * lever)
     else:
@@ -48,15 +48,15 @@ def lean(s: VesselState, p: PackedHelm, force: float, lever: float) -> None:
 
 @kernel
 def heed(
-    s: VesselState, p: PackedHelm, x: float, y: float, dx: float, dy: float, quay: bool
+    s: VesselState, p: ModelRecord, x: float, y: float, dx: float, dy: float, quay: bool
 ) -> None:
-    """Limit a hull for the sake of one point of it.
+    """Limit a vessel for the sake of one point of it.
 
     Parameters
     ----------
     x, y : the point, from midships, world axes [m]
     dx, dy : from there to what is nearest [m]
-    quay : whether that is a quay; another hull may use half of the gap
+    quay : whether that is a quay; another vessel may use half of the gap
     """
     far = math.sqrt(dx * dx + dy * dy)
     if not 0.0 < far < NEAR_M + INSET_M:
@@ -65,7 +65,7 @@ def heed(
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, turning = nx * c + ny * t, ny * x - nx * y
     if gap < LEANING_M - BLUR_M:
-        lean(s, p, (ny * c - nx * t) * pressing(s, p), turning)
+        note_contact(s, p, (ny * c - nx * t) * pressing(s, p), turning)
     aside = max((ny * c - nx * t) * (c * s.vy - t * s.vx), 0.0)
     reaction = p.lag_s + 2.0 * REACTION_S  # a tick more, for the gap is that of before
     if quay:
@@ -107,9 +107,9 @@ def nearest_of(
 
 @kernel
 def heed_around(
-    s: VesselState, p: PackedHelm, land: LandArray, pitch: float, x: float, y: float
+    s: VesselState, p: ModelRecord, land: LandArray, pitch: float, x: float, y: float
 ) -> None:
-    """Limit a hull for the sake of the quays around one point of it, (x, y) from midships [m]."""
+    """Limit a vessel for the sake of the quays around one point of it, (x, y) from midships [m]."""
     px, py, reach = s.x + x, s.y + y, NEAR_M + INSET_M
     low_j, high_j = math.floor((py - reach) / pitch + 0.5), math.floor((py + reach) / pitch + 1.5)
     for i in range(math.floor((px - reach) / pitch + 0.5), math.floor((px + reach) / pitch + 1.5)):
@@ -121,8 +121,8 @@ def heed_around(
 
 
 @kernel
-def heed_land(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
-    """Limit a hull for the sake of quays: its corners, and theirs that jut out."""
+def heed_land(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> None:
+    """Limit a vessel for the sake of quays: its corners, and theirs that jut out."""
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     long, wide = p.length_m - 2.0 * INSET_M, p.beam_m - 2.0 * INSET_M
     for k in range(4):
@@ -139,15 +139,15 @@ def heed_land(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> N
 
 
 @kernel
-def heed_hull(s: VesselState, p: PackedHelm, other: VesselState, helm: PackedHelm) -> None:
-    """Limit a hull for the sake of another: the corners of both."""
+def heed_hull(s: VesselState, p: ModelRecord, other: VesselState, model: ModelRecord) -> None:
+    """Limit a vessel for the sake of another: the corners of both."""
     c, t, co, to = math.cos(s.yaw), math.sin(s.yaw), math.cos(other.yaw), math.sin(other.yaw)
     long, wide = p.length_m - 2.0 * INSET_M, p.beam_m - 2.0 * INSET_M
     dx, dy = other.x - s.x, other.y - s.y
     for k in range(4):
         x, y = corner_of(long, wide, c, t, k)
-        qx, qy = nearest_of(helm.length_m, helm.beam_m, co, to, x - dx, y - dy)
+        qx, qy = nearest_of(model.length_m, model.beam_m, co, to, x - dx, y - dy)
         heed(s, p, x, y, dx + qx - x, dy + qy - y, False)
-        qx, qy = corner_of(helm.length_m, helm.beam_m, co, to, k)
+        qx, qy = corner_of(model.length_m, model.beam_m, co, to, k)
         x, y = nearest_of(long, wide, c, t, dx + qx, dy + qy)
         heed(s, p, x, y, dx + qx - x, dy + qy - y, False)

@@ -1,4 +1,4 @@
-"""What can be told before a run: what worlds and hulls do not feel, and what hulls cannot do."""
+"""Warnings before a run: what worlds and vessels do not feel, and what vessels cannot do."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -7,7 +7,7 @@ from mjforage.controllers.legs import REACTION_S
 from mjforage.mission.initial_state import LEEWAY
 from mjforage.mission.setup import Setup
 from mjforage.physics.scaled_vessels import scaled
-from mjforage.physics.vessel_helm import damping_rates, decision_s, full_speed_s, helm_of
+from mjforage.physics.vessel_models import damping_rates, decision_s, full_speed_s, vessel_model
 from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.worlds import WORLDS
@@ -33,7 +33,7 @@ PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics, tuple[str, ...]], ...] =
 """Tables of a scenario, as if nothing were given, and their keys that not every world feels."""
 
 
-def foretold(setup: Setup, worlds: Sequence[str]) -> tuple[str, ...]:
+def run_warnings(setup: Setup, worlds: Sequence[str]) -> tuple[str, ...]:
     """Lines about a run in these worlds, in the order of their weight; none where all is well."""
     scenario, hulls = setup.scenario, [world for world in worlds if world != "graph"]
     lines = list(_unfelt_keys(scenario, worlds))
@@ -61,7 +61,7 @@ def _unfelt_keys(scenario: Scenario, worlds: Sequence[str]) -> Iterator[str]:
 
 
 def _still_items(scenario: Scenario, hulls: Sequence[str]) -> Iterator[str]:
-    """Currents that move hulls and, by the graph world's rule, no items."""
+    """Currents that move vessels and, by the graph world's rule, no items."""
     adapted = [WORLDS[world].adapt(scenario) for world in hulls]
     currents = [
         f"weather.{key}"
@@ -70,13 +70,13 @@ def _still_items(scenario: Scenario, hulls: Sequence[str]) -> Iterator[str]:
     ]
     if currents:
         yield (
-            f'{", ".join(currents)}: hulls feel it, items do not by physics.items = "graph"; '
+            f'{", ".join(currents)}: vessels feel it, items do not by physics.items = "graph"; '
             'give "bodies" for items that do'
         )
 
 
 def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:
-    """Whether a world with hulls has a key of the scenario, and something that it acts on."""
+    """True if a world with vessels has a key of the scenario, and something that it acts on."""
     if key == "camera_noise_m" and adapted.physics.capture == "node":
         return False  # nobody steers for an item, so that there is no camera
     if key == "item_classes":
@@ -97,16 +97,16 @@ def _hulls(setup: Setup) -> dict[Vessel, list[str]]:
     return found
 
 
-def foretold_of_hull(
+def vessel_warnings(
     vessel: Vessel, wind_mps: float, step_s: float, remedy: str = "give physics.step_s of at most"
 ) -> Iterator[str]:
-    """Lines about one hull, whatever it is to do; none where all is well.
+    """Lines about one vessel, whatever it is to do; none where all is well.
 
     Parameters
     ----------
     wind_mps : the most that blows
     step_s : of the integrator
-    remedy : what to say before the longest step that the hull's drag allows [s]
+    remedy : what to say before the longest step that the vessel's drag allows [s]
     """
     if wind_mps and not vessel.windage.any:
         yield f"has no [windage] and does not feel the wind of up to {wind_mps:.3g} m/s"
@@ -120,7 +120,7 @@ def _of_hull(
     if vessel.load == NO_LOAD and any(scenario.team[team].collects for team in teams):
         yield "has no [load], so that items aboard add neither mass nor drag"
     step_s = scenario.physics.step_s or (0.1 if scenario.physics.integrator == "fast" else 0.02)
-    yield from foretold_of_hull(vessel, wind, step_s)
+    yield from vessel_warnings(vessel, wind, step_s)
     for team in teams:
         yield from _too_slow(scenario, vessel, team)
 
@@ -156,11 +156,11 @@ def _too_quick(vessel: Vessel, step_s: float, remedy: str) -> Iterator[str]:
 
 
 def _too_slow(scenario: Scenario, vessel: Vessel, team: str) -> Iterator[str]:
-    """Teams whose hulls are late after a straight move, turning by 90 degrees for it."""
+    """Teams whose vessels are late after a straight move, turning by 90 degrees for it."""
     moves, pitch = scenario.team[team].moves, scenario.map.pitch_m
     needed = decision_s(vessel, moves * pitch)
     if needed > scenario.period_s:
-        tuning = helm_of(vessel).tuning
+        tuning = vessel_model(vessel).tuning
         yield (
             f"team.{team}.moves = {moves} of {pitch:g} m take it {needed:.3g} s, at "
             f"{tuning.cruise_ahead_mps:.3g} m/s after a turn of 90 degrees, and a decision has "

@@ -6,14 +6,7 @@ import pytest
 
 from mjforage.controllers import Chart
 from mjforage.controllers.chart import LandArray, headland, is_nearer, way_to_cell
-from mjforage.controllers.estimate import learn_drift
-from mjforage.controllers.guidance import striking_speed
-from mjforage.controllers.helm import packed
-from mjforage.controllers.legs import REACTION_S
-from mjforage.controllers.loops import surge_drag, yaw_drag
-from mjforage.controllers.state import VesselState
-from mjforage.controllers.steering import most_difference, most_gain, push, safe_force, safe_moment
-from mjforage.controllers.touching import (
+from mjforage.controllers.contact import (
     BLUR_M,
     HULL_SHARE,
     INSET_M,
@@ -24,12 +17,19 @@ from mjforage.controllers.touching import (
     heed_hull,
     heed_land,
 )
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.controllers.estimate import learn_drift
+from mjforage.controllers.guidance import striking_speed
+from mjforage.controllers.legs import REACTION_S
+from mjforage.controllers.loops import surge_drag, yaw_drag
+from mjforage.controllers.state import VesselState
+from mjforage.controllers.steering import most_difference, most_gain, push, safe_force, safe_moment
+from mjforage.controllers.vessel_model import packed
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import blank
 from tests.graph_planner.charts import grid
 
-P = packed(helm_of(load_vessel("forager")))
+P = packed(vessel_model(load_vessel("forager")))
 REACTION = P.lag_s + 2.0 * REACTION_S
 LEVER = 0.5 * P.length_m - INSET_M  # of the corners of a hull along a quay
 BASIN = Chart(grid(".....", ".....", "....."), 4.0).land  # quays at y = -2 and 10
@@ -138,7 +138,7 @@ def test_a_hull_that_leans_turns_off_against_the_water() -> None:
     s.drift_y, s.most_port = -0.3, 0.1
     heed_land(s, P, BASIN, 4.0)
     load = (P.linear_sway + P.quadratic_sway * 0.3) * 0.3 * LEVER
-    assert s.leans == 1.0
+    assert s.in_contact == 1.0
     assert s.load_port == s.load_starboard == pytest.approx(load)
     free = yaw_drag(P, 0.1) + P.inertia_yaw_kgm2 * 0.1 / (P.lag_s + REACTION_S)
     s.most_port = 0.1
@@ -148,7 +148,7 @@ def test_a_hull_that_leans_turns_off_against_the_water() -> None:
 def test_turning_in_contact_presses_a_hull_on_with_no_more_than_the_surge_wanted() -> None:
     """Full thrust both ways would push it ahead by what it has more ahead than astern."""
     s, surge = beside(0.0), 0.2 * P.thrust_low
-    s.leans, s.heading_ref = 1.0, 0.0
+    s.in_contact, s.heading_ref = 1.0, 0.0
     port, starboard = push(s, P, 2.0, surge, 0.1)
     assert port + starboard == pytest.approx(surge)
     assert starboard - port == pytest.approx(most_difference(s, P, surge))
@@ -164,7 +164,7 @@ def test_the_load_of_the_water_is_lifted_to_the_side_to_which_the_hull_shall_tur
     turned = []
     for side in (1.0, 0.0, -1.0):
         s = beside(0.0)
-        s.leans, s.lee_y, s.load_port, s.load_starboard = 1.0, -1.0, 18.0, 18.0
+        s.in_contact, s.lee_y, s.load_port, s.load_starboard = 1.0, -1.0, 18.0, 18.0
         s.most_port = s.most_starboard = 1e3
         s.heading_ref = 0.2 * side
         port, starboard = push(s, P, 0.2 * side, 0.0, 0.1)
@@ -175,7 +175,7 @@ def test_the_load_of_the_water_is_lifted_to_the_side_to_which_the_hull_shall_tur
 
 def test_what_a_hull_leans_on_is_not_taken_for_the_water() -> None:
     s = beside(0.0)
-    s.drift_y, s.leans = -0.3, 1.0
+    s.drift_y, s.in_contact = -0.3, 1.0
     for _ in range(100):
         learn_drift(s, P, 0.1)
     assert (s.drift_x, s.drift_y) == (0.0, -0.3)

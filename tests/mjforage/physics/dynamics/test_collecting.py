@@ -4,15 +4,15 @@ from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.dynamics import Transition, start_state
 from mjforage.mission.initial_state import InitialState
 from mjforage.mission.task import IDLE, MISSED, TAKEN, UNREACHABLE
-from mjforage.physics.dynamics.picking import (
+from mjforage.physics.dynamics.collecting import (
     ATTEMPTS,
     LATER_S,
     Attempts,
     Goal,
     Reach,
     Sent,
+    collect_at_mouth,
     seek,
-    take_at_mouth,
 )
 from mjforage.physics.dynamics.tracks import Water
 
@@ -42,13 +42,13 @@ def test_the_mouth_is_the_beam_wide_at_the_bow_and_fills_up() -> None:
     xy = np.array([places])
     pose = np.array([[[50.0, 50.0, 0.0], [0.0, 0.0, np.pi / 2]]])
     room = np.array([[5, 2]])
-    taken = take_at_mouth(REACH, ON, pose, xy, room, state)
+    taken = collect_at_mouth(REACH, ON, pose, xy, room, state)
     assert taken == 2 and state.pickup.tolist() == [[IDLE, TAKEN]]
     assert room.tolist() == [[5, 0]]
     assert state.collected_by.tolist() == [[1, 1, -1, -1, -1, -1]]
     assert state.item_node.tolist() == [[-1, -1, 3, 3, 3, 3]]
     room[:] = 5
-    assert take_at_mouth(REACH, ON, pose, xy, room, state) == 1
+    assert collect_at_mouth(REACH, ON, pose, xy, room, state) == 1
     assert state.collected_by[0].tolist() == [1, 1, -1, -1, -1, 1]
 
 

@@ -4,20 +4,20 @@ import dataclasses
 import math
 from typing import get_type_hints
 
-from mjforage.controllers import Helm, Tuning
+from mjforage.controllers import Tuning, VesselModel
 from mjforage.physics.vessels import Control, CrossFlow, Propeller, Vessel
 
 SOURCE = "from mass, drag, thrust and lag, as where no file says otherwise"
 SHARE = 0.9  # of the thrust, with which cruise speeds are reckoned; the rest steers
 
 
-def helm_of(vessel: Vessel) -> Helm:
+def vessel_model(vessel: Vessel) -> VesselModel:
     """The controllers' view of a vessel; without a `[control]` table, `default_control` is used."""
     control = vessel.control or default_control(vessel)
     thruster = vessel.thruster
     low, high = thruster.command_range
     propeller = isinstance(thruster, Propeller)
-    return Helm(
+    return VesselModel(
         length_m=vessel.length_m,
         beam_m=vessel.beam_m,
         mass_surge_kg=_surge_kg(vessel),
@@ -47,7 +47,7 @@ def default_control(vessel: Vessel) -> Control:
 
     Speeds and rates are those at which drag takes `SHARE` of the thrust (half of it when turning);
     accelerations are what the thrust gives at rest; loops are slower than thruster lag, control
-    period and thrust allow; lengths go with the hull's.
+    period and thrust allow; lengths go with the vessel's.
     """
     low, high = vessel.thruster.thrust_range
     surge, yaw = _surge_kg(vessel), _yaw_kgm2(vessel)
@@ -81,7 +81,7 @@ def default_control(vessel: Vessel) -> Control:
 
 
 def control_table(vessel: Vessel) -> str:
-    """`default_control` as the table of a vessel's file, in full: with it the hull moves alike."""
+    """`default_control` as the table of a vessel's file, in full; the vessel moves alike."""
     facts = get_type_hints(Control, include_extras=True)
     lines = [
         f'{key} = {{ value = {value!r}, unit = "{facts[key].__metadata__[0].unit}", '
@@ -92,8 +92,8 @@ def control_table(vessel: Vessel) -> str:
 
 
 def full_speed_s(vessel: Vessel) -> float:
-    """Time in which full thrust would take the hull from rest to its cruise speed without drag."""
-    cruise = helm_of(vessel).tuning.cruise_ahead_mps
+    """Time from rest to cruise speed with full thrust and without drag [s]."""
+    cruise = vessel_model(vessel).tuning.cruise_ahead_mps
     return _surge_kg(vessel) * cruise / (2.0 * vessel.thruster.thrust_range[1])
 
 
@@ -101,7 +101,7 @@ def damping_rates(vessel: Vessel) -> dict[str, float]:
     """Rates at which drag takes small motions [1/s]: ahead at cruise speed, aside at rest, and
     turning at the highest rate.
     """
-    tuning = helm_of(vessel).tuning
+    tuning = vessel_model(vessel).tuning
     surge = vessel.linear_surge + 2.0 * vessel.quadratic_surge * tuning.cruise_ahead_mps
     yaw = vessel.linear_yaw + 2.0 * _quadratic_yaw(vessel) * tuning.yaw_rate_radps
     return {
@@ -112,9 +112,9 @@ def damping_rates(vessel: Vessel) -> dict[str, float]:
 
 
 def decision_s(vessel: Vessel, distance_m: float) -> float:
-    """Time that a hull at rest takes to turn by 90 degrees, go a distance straight on and stop."""
-    helm = helm_of(vessel)
-    tuning, most = helm.tuning, 2.0 * vessel.thruster.thrust_range[1]
+    """Time from rest to turn by 90 degrees, go a distance straight on and stop [s]."""
+    model = vessel_model(vessel)
+    tuning, most = model.tuning, 2.0 * vessel.thruster.thrust_range[1]
     speed = min(tuning.cruise_ahead_mps, _speed(vessel.linear_surge, vessel.quadratic_surge, most))
     ramps = 0.5 / tuning.acceleration_mps2 + 0.5 / tuning.brake_mps2
     speed = min(speed, math.sqrt(distance_m / ramps))  # so short that it never cruises
@@ -131,14 +131,14 @@ def _yaw_kgm2(vessel: Vessel) -> float:
 
 
 def _quadratic_sway(vessel: Vessel) -> float:
-    """Quadratic part and cross-flow of a hull moving sideways."""
+    """Quadratic part and cross-flow of a vessel moving sideways."""
     if vessel.crossflow is None:
         return vessel.quadratic_sway
     return vessel.quadratic_sway + _strip(vessel.crossflow) * vessel.crossflow.length_m
 
 
 def _quadratic_yaw(vessel: Vessel) -> float:
-    """Growth of the linear part, quadratic part, and cross-flow of a hull turning on the spot."""
+    """Growth of the linear part, quadratic part, and cross-flow of a vessel turning on the spot."""
     drag = vessel.quadratic_yaw + vessel.linear_yaw * vessel.yaw_linear_growth
     if vessel.crossflow is None:
         return drag

@@ -3,8 +3,8 @@
 An attempt at an item has failed when the bow was near it and is away from it again without having
 taken it. After `ATTEMPTS` of them the item is left for `LATER_S`; others are sought instead.
 
-Hulls turn slowly: half round takes a forager a whole period of 10 s. What is left of a period goes
-into turning to the next item, and its bow takes what it reaches beyond its node.
+Vessels turn slowly: half round takes a forager a whole period of 10 s. What is left of a period
+goes into turning to the next item, and its bow takes what it reaches beyond its node.
 """
 
 import math
@@ -26,12 +26,12 @@ ATTEMPTS = 2  # that may fail before an item is left for later
 NEAR_M, AWAY_M = 0.6, 1.2  # from the middle of the bow: an attempt begins, and has failed
 LATER_S = 60.0  # until an item that was given up is sought again
 STANDS = 0.42  # of a node's side: farthest that midships goes from its middle to take one beside it
-READY_M = 9.0  # farthest item that a hull gets ready for: a little more than two nodes of 4 m
+READY_M = 9.0  # farthest item that a vessel gets ready for: a little more than two nodes of 4 m
 FloatArray = NDArray[np.float64]
 
 
 class Attempts(NamedTuple):
-    """What foragers seek, and what they have tried."""
+    """Items that foragers seek, and their failed attempts."""
 
     item: NDArray[np.int64]  # (episode, vessel) sought now, -1 none
     near: NDArray[np.bool_]  # (episode, vessel) whether the bow has been near it since
@@ -49,14 +49,14 @@ class Attempts(NamedTuple):
 
 
 class Sent(NamedTuple):
-    """Where hulls are sent."""
+    """Orders of a decision."""
 
     node_xy: FloatArray  # (episode, vessel, 2) centre of the node [m]
     stay: NDArray[np.bool_]  # (episode, vessel) whether it is the node where they are
 
 
 class Goal(NamedTuple):
-    """What pilots are told."""
+    """Items for the pilots."""
 
     xy: FloatArray  # (episode, vessel, 2) item to pick up, NaN for none [m]
     next: FloatArray  # (episode, vessel, 2) with none: the one to be ready for, NaN for none [m]
@@ -71,7 +71,7 @@ class Goal(NamedTuple):
 
 
 class Reach(NamedTuple):
-    """Who collects and where from."""
+    """Collectors, their sizes and their water."""
 
     collects: NDArray[np.bool_]  # (vessel,)
     size: FloatArray  # (vessel, 2) half length, half beam [m]
@@ -81,7 +81,7 @@ class Reach(NamedTuple):
 
 @inlined
 def _within(reach: Reach, node_xy: FloatArray, x: float, y: float) -> bool:
-    """Whether a place lies within the square of a node."""
+    """True if a place lies within the square of a node."""
     return bool(max(abs(x - node_xy[0]), abs(y - node_xy[1])) <= 0.5 * reach.water.pitch_m)
 
 
@@ -89,10 +89,10 @@ def _within(reach: Reach, node_xy: FloatArray, x: float, y: float) -> bool:
 def _within_reach(
     reach: Reach, half: float, pose: FloatArray, node_xy: FloatArray, x: float, y: float
 ) -> bool:
-    """Whether a hull can take an item beside its node with midships well within the node.
+    """True if a vessel can take an item beside its node with midships well within the node.
 
-    Across one side only: a corner of the node may be one of land. Not at a quay: there a hull does
-    not come in as the item bears.
+    Across one side only: a corner of the node may be one of land. Not at a quay: there a vessel
+    does not come in as the item bears.
     """
     land, pitch = reach.water.land, reach.water.pitch_m
     if min(abs(x - node_xy[0]), abs(y - node_xy[1])) > 0.5 * pitch:
@@ -120,7 +120,7 @@ def _note_attempt(
 
     Parameters
     ----------
-    own : whether it lies in the hull's own node: only then that is told
+    own : whether it lies in the vessel's own node: only then that is told
     """
     k = attempts.item[e, v]
     if attempts.near[e, v] and away_m > AWAY_M:
@@ -143,11 +143,11 @@ def _choose(
     later_s: FloatArray,
     now_s: float,
 ) -> tuple[int, int, int, bool]:
-    """The nearest item in the hull's node, of those within reach beside it, and of all others.
+    """The nearest item in the vessel's node, of those within reach beside it, and of all others.
 
     Parameters
     ----------
-    half : length of the hull [m]
+    half : length of the vessel [m]
     pose : (3,); node_xy : (2,); xy : (item, 2); item_node, later_s : (item,)
 
     Returns
@@ -189,7 +189,7 @@ def seek(
     state: Transition,
     goal: Goal,
 ) -> None:
-    """What each forager shall do: pick up, get ready, or look round.
+    """Choose for each forager: collect, get ready, or look round.
 
     It picks up the nearest item within the square of its target node, else the nearest beside it
     that its bow reaches. With none it gets ready for the nearest other one. A forager that was told
@@ -240,7 +240,7 @@ def seek(
 
 
 @kernel
-def take_at_mouth(
+def collect_at_mouth(
     reach: Reach,
     active: NDArray[np.bool_],
     pose: FloatArray,
@@ -250,7 +250,7 @@ def take_at_mouth(
 ) -> int:
     """Capture rule `intake`: an item in a forager's mouth is taken, while there is room.
 
-    The mouth is as wide as the hull, at the bow.
+    The mouth is as wide as the vessel, at the bow.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""What is noted at every control tick of a period: arrivals, hindrances, touches, way, energy.
+"""Period monitor: arrivals, hindrances, touches, way and energy, noted at every control tick.
 
-In a period a hull *arrived* if midships came within `ARRIVAL_M` of
+In a period a vessel *arrived* if midships came within `ARRIVAL_M` of
 the target's centre; it is *blocked* if it was slower than `SLOW_MPS` for `BLOCKED_S` because of
 contact or giving way; otherwise it is *late*.
 """
@@ -15,15 +15,15 @@ from mjforage.base.compiled import inlined, kernel
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.touch import touches
-from mjforage.physics.hydrodynamics.parameters import HullArray
+from mjforage.physics.hydrodynamics.parameters import VesselArray
 from mjforage.physics.hydrodynamics.power import drawn_power
 
 ARRIVAL_M, SLOW_MPS, BLOCKED_S = 1.0, 0.1, 2.0  # of the definitions above; estimates
 FloatArray = NDArray[np.float64]
 
 
-class Watched(NamedTuple):
-    """What the ticks of a period add up to; (episode, vessel) each."""
+class PeriodRecord(NamedTuple):
+    """Sums over the ticks of a period; (episode, vessel) each."""
 
     arrived: NDArray[np.bool_]
     hindered_s: FloatArray  # how long it has been slow for a reason, without a break
@@ -35,7 +35,7 @@ class Watched(NamedTuple):
     work_j: FloatArray  # electrical energy drawn so far in the episode
 
     @classmethod
-    def of(cls, shape: tuple[int, int]) -> "Watched":
+    def of(cls, shape: tuple[int, int]) -> "PeriodRecord":
         """Nothing yet."""
         yes, number = np.zeros(shape, np.bool_), np.zeros(shape)
         return cls(
@@ -57,7 +57,7 @@ class Watched(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Where the hulls are and how they move, (episode, vessel, 3) each, world axes."""
+    """Poses and velocities of vessels, (episode, vessel, 3) each, world axes."""
 
     pose: FloatArray  # x, y [m], yaw [rad] of midships
     velocity: FloatArray  # over ground [m/s], [rad/s]
@@ -69,15 +69,15 @@ class Tick(NamedTuple):
     before: Motion
     after: Motion
     target: FloatArray  # (episode, vessel, 2) [m]
-    giving_way: NDArray[np.bool_]  # (episode, vessel) held back for another hull or a quay
-    water: FloatArray  # (episode, vessel, 2) current at the hulls [m/s]
+    giving_way: NDArray[np.bool_]  # (episode, vessel) held back for another vessel or a quay
+    water: FloatArray  # (episode, vessel, 2) current at the vessels [m/s]
     lagged: FloatArray  # (episode, vessel, 2) state of the thrusters [rad/s] or [N]
 
 
-class Harbour(NamedTuple):
-    """What no tick changes: the hulls and the quays."""
+class MonitorSetup(NamedTuple):
+    """Vessels and quays, which no tick changes."""
 
-    hulls: HullArray  # (vessel,)
+    hulls: VesselArray  # (vessel,)
     size: FloatArray  # (vessel, 2) half length, half beam [m]
     framed: Int32Array  # cells in a frame of land, `Water.framed`
     pitch_m: float
@@ -85,18 +85,18 @@ class Harbour(NamedTuple):
 
 
 @inlined
-def _note_work(tick: Tick, harbour: Harbour, e: int, v: int, work_j: FloatArray) -> None:
+def _note_work(tick: Tick, setup: MonitorSetup, e: int, v: int, work_j: FloatArray) -> None:
     """Add the electrical energy drawn over the tick."""
     vx, vy = tick.after.velocity[e, v, 0], tick.after.velocity[e, v, 1]
     c, s = math.cos(tick.after.pose[e, v, 2]), math.sin(tick.after.pose[e, v, 2])
     surge = c * (vx - tick.water[e, v, 0]) + s * (vy - tick.water[e, v, 1])
     port, starboard = tick.lagged[e, v, 0], tick.lagged[e, v, 1]
-    work_j[e, v] += harbour.tick_s * drawn_power(harbour.hulls[v], port, starboard, surge)
+    work_j[e, v] += setup.tick_s * drawn_power(setup.hulls[v], port, starboard, surge)
 
 
 @inlined
-def _note_hindrance(slow: bool, tick_s: float, seen: Watched, e: int, v: int) -> None:
-    """Count the time that a hull has been slow for a reason; `slow`: it is, now."""
+def _note_hindrance(slow: bool, tick_s: float, seen: PeriodRecord, e: int, v: int) -> None:
+    """Count the time that a vessel has been slow for a reason; `slow`: it is, now."""
     if not slow:
         seen.hindered_s[e, v] = 0.0
         return
@@ -106,38 +106,38 @@ def _note_hindrance(slow: bool, tick_s: float, seen: Watched, e: int, v: int) ->
 
 
 @kernel
-def watch(harbour: Harbour, seen: Watched, active: NDArray[np.bool_], tick: Tick) -> None:
+def monitor(setup: MonitorSetup, seen: PeriodRecord, active: NDArray[np.bool_], tick: Tick) -> None:
     """Note one tick of the active episodes in `seen`."""
     pose, before, velocity = tick.after.pose, tick.before.pose, tick.after.velocity
-    vessels, size = pose.shape[1], harbour.size
+    vessels, size = pose.shape[1], setup.size
     now, closing = np.zeros(vessels, np.bool_), np.zeros(vessels)
     for e in range(active.size):
         if not active[e]:
             continue
         start = tick.before.velocity[e]
-        touches(pose[e], start, size, harbour.framed, harbour.pitch_m, now, closing)
+        touches(pose[e], start, size, setup.framed, setup.pitch_m, now, closing)
         for v in range(vessels):
             x, y = pose[e, v, 0], pose[e, v, 1]
             seen.travelled_m[e, v] += math.hypot(x - before[e, v, 0], y - before[e, v, 1])
             seen.collisions[e, v] += now[v] and not seen.touching[e, v]
             seen.touching[e, v] = now[v]
             seen.impact_mps[e, v] = max(seen.impact_mps[e, v], closing[v])
-            _note_work(tick, harbour, e, v, seen.work_j)
+            _note_work(tick, setup, e, v, seen.work_j)
             if math.hypot(x - tick.target[e, v, 0], y - tick.target[e, v, 1]) <= ARRIVAL_M:
                 seen.arrived[e, v] = True
             slow = math.hypot(velocity[e, v, 0], velocity[e, v, 1]) < SLOW_MPS
             held = slow and (now[v] or tick.giving_way[e, v])
-            _note_hindrance(held, harbour.tick_s, seen, e, v)
+            _note_hindrance(held, setup.tick_s, seen, e, v)
 
 
 @kernel
 def judge(
     active: NDArray[np.bool_],
     no_move: NDArray[np.bool_],
-    seen: Watched,
+    seen: PeriodRecord,
     outcome: NDArray[np.int8],
 ) -> None:
-    """How each move of a period ended.
+    """Write the outcome of each move of a period.
 
     Parameters
     ----------

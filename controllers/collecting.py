@@ -1,38 +1,38 @@
 """Picking up an item: bring the mouth, the full beam at the bow, over it, going ahead.
 
 On the way to its node an item is taken in passing. At the node, one ahead of the bow is steered
-for, and one farther away than the bow reaches is turned to first. One beside the hull or behind it,
-within reach of the turning bow, would be pushed away: the hull first backs off from it, or draws
-ahead of it. Items beside quays: `quayside`. A hull that has nothing left to do turns to the next
-item, and goes towards it as far as its node reaches: turning takes longer than the way.
+for, and one farther away than the bow reaches is turned to first. One beside the vessel or behind
+it, within reach of the turning bow, would be pushed away: the vessel first backs off from it, or
+draws ahead of it. Items beside quays: `quayside`. A vessel that has nothing left to do turns to the
+next item, and goes towards it as far as its node reaches: turning takes longer than the way.
 """
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import wrapped
 from mjforage.controllers.guidance import stopping_speed
-from mjforage.controllers.helm import PackedHelm
 from mjforage.controllers.legs import FERRY_MPS, REACTION_S
 from mjforage.controllers.loops import turning_limit
 from mjforage.controllers.quayside import APPROACH_MPS, is_quayed, meeting_speed, run_in
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import ModelRecord
 
 BERTH_M = 0.25  # between an item and the turning bow
-SLACK_M = 0.5  # beyond its room a hull still counts as inside its node
+SLACK_M = 0.5  # beyond its room a vessel still counts as inside its node
 AFRESH_M = 0.35  # more than that is made by backing off
 AIM = 0.6  # share of the half beam within which the item must lie to be taken straight on
 
 
 @kernel
 def in_room(s: VesselState, room: float) -> bool:
-    """Whether midships is within `room` [m] of the target on each axis."""
+    """True if midships is within `room` [m] of the target on each axis."""
     return bool(max(abs(s.x - s.target_x), abs(s.y - s.target_y)) < room + SLACK_M)
 
 
 @kernel
 def leaves_room(s: VesselState, speed: float, room: float) -> bool:
-    """Whether going on at `speed` takes midships farther than `room` [m] from the target."""
+    """True if going on at `speed` takes midships farther than `room` [m] from the target."""
     dx, dy = s.x - s.target_x, s.y - s.target_y
     mx, my = speed * math.cos(s.yaw), speed * math.sin(s.yaw)
     return bool((abs(dx) > room and dx * mx > 0.0) or (abs(dy) > room and dy * my > 0.0))
@@ -40,15 +40,15 @@ def leaves_room(s: VesselState, speed: float, room: float) -> bool:
 
 @kernel
 def is_free(s: VesselState) -> bool:
-    """Whether a hull on its way to an item there need not heed anybody."""
+    """True if a vessel on its way to an item there need not heed anybody."""
     straight = s.via == 0.0 and s.clock >= s.wait and s.stuck == 0.0
     at_target = s.place_x == s.target_x and s.place_y == s.target_y
     return bool(straight and at_target and not math.isnan(s.item_x))
 
 
 @kernel
-def meets_item(s: VesselState, p: PackedHelm) -> bool:
-    """Whether a hull under way to its target can steer its mouth through the item there."""
+def meets_item(s: VesselState, p: ModelRecord) -> bool:
+    """True if a vessel under way to its target can steer its mouth through the item there."""
     if not is_free(s) or is_quayed(s):
         return False
     dx, dy = s.item_x - s.x, s.item_y - s.y
@@ -60,10 +60,10 @@ def meets_item(s: VesselState, p: PackedHelm) -> bool:
 
 
 @kernel
-def meet_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
-    """Heading [rad] and speed over ground along the hull [m/s] that take the item on the way.
+def meet_item(s: VesselState, p: ModelRecord) -> tuple[float, float]:
+    """Heading [rad] and speed over ground along the vessel [m/s] that take the item on the way.
 
-    Through the water the hull must make what it shall make over ground less the drift.
+    Through the water the vessel must make what it shall make over ground less the drift.
     """
     dx, dy = s.item_x - s.x, s.item_y - s.y
     far = math.sqrt(dx * dx + dy * dy)
@@ -81,23 +81,23 @@ def meet_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
 
 @kernel
 def room_ahead(s: VesselState, room: float) -> float:
-    """How far midships can go ahead until it is `room` [m] from the target, 0 beyond that."""
+    """Way ahead until midships is `room` [m] from the target, 0 beyond that."""
     dx, dy = s.x - s.target_x, s.y - s.target_y
     along = math.cos(s.yaw) * dx + math.sin(s.yaw) * dy
     return math.sqrt(max(along * along + room * room - dx * dx - dy * dy, 0.0)) - along
 
 
 @kernel
-def turning_reach(p: PackedHelm) -> float:
+def turning_reach(p: ModelRecord) -> float:
     """Distance from midships [m] within which the turning bow would push an item away."""
     return 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + BERTH_M
 
 
 @kernel
 def can_be_ready(s: VesselState) -> bool:
-    """Whether a hull that has been at its target may turn to the next item.
+    """True if a vessel that has been at its target may turn to the next item.
 
-    Not in a drift: facing it, a hull that has no thrust aside would be carried off.
+    Not in a drift: facing it, a vessel that has no thrust aside would be carried off.
     """
     drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
     calm = drift < FERRY_MPS and s.up == 0.0 and s.looks == 0.0
@@ -106,8 +106,8 @@ def can_be_ready(s: VesselState) -> bool:
 
 
 @kernel
-def get_ready(s: VesselState, p: PackedHelm, room: float) -> tuple[float, float]:
-    """Heading [rad] and speed [m/s] of a hull with nothing left to do: towards the next item.
+def get_ready(s: VesselState, p: ModelRecord, room: float) -> tuple[float, float]:
+    """Heading [rad] and speed [m/s] of a vessel with nothing left to do: towards the next item.
 
     One so near that the turning bow would push it away is left alone.
 
@@ -126,7 +126,7 @@ def get_ready(s: VesselState, p: PackedHelm, room: float) -> tuple[float, float]
 
 
 @kernel
-def pick_up(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[float, float]:
+def collect_item(s: VesselState, p: ModelRecord, room: float, step_s: float) -> tuple[float, float]:
     """Heading [rad] and signed speed [m/s] that bring the mouth over the item.
 
     Parameters

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
-from mjforage.physics.dynamics.watch import (
-    Harbour,
+from mjforage.physics.dynamics.period_monitor import (
+    MonitorSetup,
     Motion,
+    PeriodRecord,
     Tick,
-    Watched,
     judge,
-    watch,
+    monitor,
 )
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.hydrodynamics.power import drawn_power
@@ -17,11 +17,11 @@ from mjforage.physics.vessels import load_vessel
 OTTER = load_vessel("otter")
 OPEN = np.pad(np.arange(25, dtype=np.int32).reshape(5, 5), 1, constant_values=-1)
 ON = np.ones(1, np.bool_)
-HARBOUR = Harbour(pack_fleet([OTTER]), np.array([[1.0, 0.54]]), OPEN, 4.0, 0.1)
+SETUP = MonitorSetup(pack_fleet([OTTER]), np.array([[1.0, 0.54]]), OPEN, 4.0, 0.1)
 
 
 def noted(
-    seen: Watched,
+    seen: PeriodRecord,
     ticks: int,
     *,
     at: tuple[float, float] = (8.0, 8.0),
@@ -44,17 +44,17 @@ def noted(
             water=np.array([[[water, 0.0]]]),
             lagged=np.full((1, 1, 2), lagged),
         )
-        watch(HARBOUR, seen, ON, tick)
+        monitor(SETUP, seen, ON, tick)
 
 
-def outcome(seen: Watched, *, no_move: bool = False) -> int:
+def outcome(seen: PeriodRecord, *, no_move: bool = False) -> int:
     result = np.full((1, 1), 9, np.int8)
     judge(ON, np.full((1, 1), no_move), seen, result)
     return int(result[0, 0])
 
 
 def test_within_a_metre_of_the_target_is_arrived_for_the_rest_of_the_period() -> None:
-    seen = Watched.of((1, 1))
+    seen = PeriodRecord.of((1, 1))
     noted(seen, 1, target=(9.01, 8.0))
     assert outcome(seen) == LATE
     noted(seen, 1, target=(8.59, 8.8))
@@ -66,7 +66,7 @@ def test_within_a_metre_of_the_target_is_arrived_for_the_rest_of_the_period() ->
 
 
 def test_slow_for_two_seconds_without_a_break_and_for_a_reason_is_blocked() -> None:
-    seen = Watched.of((1, 1))
+    seen = PeriodRecord.of((1, 1))
     noted(seen, 40)  # slow for no reason
     noted(seen, 19, giving_way=True)
     noted(seen, 1, speed=0.11, giving_way=True)
@@ -80,7 +80,7 @@ def test_slow_for_two_seconds_without_a_break_and_for_a_reason_is_blocked() -> N
 
 
 def test_contact_is_a_reason_and_counts_once_per_touch() -> None:
-    seen = Watched.of((1, 1))
+    seen = PeriodRecord.of((1, 1))
     noted(seen, 20, at=(17.0, 8.0), speed=0.05)  # bow at the east edge, x = 18
     assert outcome(seen) == BLOCKED
     noted(seen, 1)
@@ -93,10 +93,10 @@ def test_contact_is_a_reason_and_counts_once_per_touch() -> None:
 
 
 def test_way_and_energy_add_up() -> None:
-    seen = Watched.of((1, 1))
+    seen = PeriodRecord.of((1, 1))
     noted(seen, 50, speed=1.5, lagged=60.0, water=0.5)
     assert seen.travelled_m[0, 0] == pytest.approx(7.5)
-    assert seen.work_j[0, 0] == pytest.approx(5.0 * drawn_power(HARBOUR.hulls[0], 60.0, 60.0, 1.0))
+    assert seen.work_j[0, 0] == pytest.approx(5.0 * drawn_power(SETUP.hulls[0], 60.0, 60.0, 1.0))
     seen.begin(ON)
     assert seen.travelled_m[0, 0] == 0.0
     assert seen.work_j[0, 0] > 0.0

@@ -12,7 +12,7 @@ from mjforage.physics.hydrodynamics.conditions import Conditions, State, to_body
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation.instability import check_warnings
 from mjforage.physics.simulation.integrators import Integrator, prepared
-from mjforage.physics.simulation.quiet import silent
+from mjforage.physics.simulation.suppressed_warnings import warnings_suppressed
 from mjforage.physics.vessels import Vessel
 
 LONGEST_S = 0.05  # of one Runge-Kutta step
@@ -20,11 +20,11 @@ SHORTEST_LAG_S = 1e-3  # below it, a minute would take 60,000 steps
 ROUNDING = 1e-6  # share by which a step may be longer: differences of times are not exact
 
 
-class MujocoHull:
-    """A `Hull` moved by MuJoCo's Runge-Kutta integrator and the force callback."""
+class MujocoVessel:
+    """A `SimulatedVessel` moved by MuJoCo's Runge-Kutta integrator and the force callback."""
 
     def __init__(self, vessel: Vessel, conditions: Conditions, load: float = 0.0) -> None:
-        """Put the hull at its start.
+        """Put the vessel at its start.
 
         Parameters
         ----------
@@ -51,7 +51,7 @@ class MujocoHull:
         data.qvel[:] = *to_body((u, v), -yaw), r
 
     def substeps(self, step_s: float) -> int:
-        """How many equal Runge-Kutta steps make one of `step_s`.
+        """Number of equal Runge-Kutta steps that make one of `step_s`.
 
         None is longer than 0.05 s or than the thrusters' lag: from 2.785 lags on, Runge-Kutta of
         order 4 lets the lag oscillate between the thrusters' limits, and no warning would tell.
@@ -64,14 +64,14 @@ class MujocoHull:
         Raises
         ------
         InstabilityError
-            If the hull's motion became unstable.
+            If the vessel's motion became unstable.
         """
         data, before = self._data, np.array([self._data.time])
         parts = self.substeps(step_s)
         self._model.opt.timestep = step_s / parts
         data.ctrl[:] = port, starboard
         install()
-        with silent():
+        with warnings_suppressed():
             for _ in range(parts):
                 mujoco.mj_step(self._model, data)
         warning = np.stack((data.warning.lastinfo, data.warning.number), axis=1)[None]

@@ -20,7 +20,7 @@ def _no_words() -> Any:
 
 
 @contextlib.contextmanager
-def silent() -> Iterator[None]:
+def warnings_suppressed() -> Iterator[None]:
     """Within it, MuJoCo counts warnings and says nothing."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(_no_words().ctypes)

@@ -1,6 +1,6 @@
-"""Lee shores: quays that a drift carries a hull to, which can thrust ahead and astern, not aside.
+"""Lee shores: quays that a drift carries a vessel to, which can thrust ahead and astern, not aside.
 
-A hull keeps off by its speed along itself: in the direction n of a quay it closes at
+A vessel keeps off by its speed along itself: in the direction n of a quay it closes at
 u (n . h) + n . (D - (D . h) h), of its speed u ahead over ground, its heading h and its drift D.
 That shall be no faster than the gap in a while, long enough to turn through broadside, where no
 thrust helps; limits may so be below 0.
@@ -8,45 +8,46 @@ thrust helps; limits may so be below 0.
 
 import math
 
-from mjforage.controllers._compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped, wrapped
 from mjforage.controllers.chart import LandArray, is_cell_land, is_nearer, quay_gap, way_to_cell
-from mjforage.controllers.free_way import picks_at_quay
-from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.clearance import picks_at_quay
+from mjforage.controllers.contact import nearest_of
 from mjforage.controllers.state import VesselState
-from mjforage.controllers.touching import nearest_of
+from mjforage.controllers.vessel_model import ModelRecord
 
 LEAST_DRIFT_MPS = 0.1  # from which quays to leeward are heeded
 LEAST_CLOSING_MPS = 0.1  # of the drift, towards such a quay
 LEE_S = 4.0  # in which the gap may be used up
 OFF_M = 0.3  # of the gap that is kept
 HEADED = 0.3  # share of the speed ahead that must go towards a quay or from it, to help
-STEEP = 0.36  # such a share at which a hull that wants to stay at it does not pass broadside
-PIVOT = 0.7  # share towards it at which a hull that turned around its bow goes astern
-SLANTED_RAD = 0.5  # from square on, of a hull that makes room
+STEEP = 0.36  # such a share at which a vessel that wants to stay at it does not pass broadside
+PIVOT = 0.7  # share towards it at which a vessel that turned around its bow goes astern
+SLANTED_RAD = 0.5  # from square on, of a vessel that makes room
 TURN_S = 1.6  # to begin a turn, and to be as far as `HEADED`
 OFF_MPS = 0.3  # at which room is made
-SLIP_MPS = 0.05  # by which a hull that is nearly broadside may close faster than it drifts
-SOON_S = 2.0  # before it is there, such a hull turns bow or stern off
+SLIP_MPS = 0.05  # by which a vessel that is nearly broadside may close faster than it drifts
+SOON_S = 2.0  # before it is there, such a vessel turns bow or stern off
 
-STRONG_DRIFT_MPS = 0.2  # a drift from which a hull keeps off the quay to leeward of its place
+STRONG_DRIFT_MPS = 0.2  # a drift from which a vessel keeps off the quay to leeward of its place
 LEE_M = 2.0  # a quay nearer than this to leeward of a place counts
 MOST_UP_M = 0.5  # how far it then lies up the drift
-UNLIMITED = 1e3  # a limit [m/s], [rad/s] that no hull reaches
+UNLIMITED = 1e3  # a limit [m/s], [rad/s] that no vessel reaches
 
 
 @kernel
-def extent(p: PackedHelm, ahead: float) -> float:
-    """Half the width of a hull in a direction that has a share `ahead` along it [m]."""
+def extent(p: ModelRecord, ahead: float) -> float:
+    """Half the width of a vessel in a direction that has a share `ahead` along it [m]."""
     across = math.sqrt(max(1.0 - ahead * ahead, 0.0))
     return float(0.5 * (p.length_m * abs(ahead) + p.beam_m * across))
 
 
 @kernel
 def keep_off(
-    s: VesselState, p: PackedHelm, dx: float, dy: float, vx: float, vy: float, free: bool
+    s: VesselState, p: ModelRecord, dx: float, dy: float, vx: float, vy: float, free: bool
 ) -> float:
-    """Limit a hull for the sake of what is at (dx, dy) from midships [m], moving at (vx, vy) [m/s].
+    """Limit a vessel for the sake of what is at (dx, dy) from midships [m], moving at (vx, vy)
+    [m/s].
 
     Parameters
     ----------
@@ -68,7 +69,7 @@ def keep_off(
     most = (gap / LEE_S - aside) / max(abs(ahead), 1e-6)
     if abs(ahead) < HEADED:
         most = max(most, SLIP_MPS / max(abs(ahead), 1e-6))
-    if free or (s.leans != 0.0 and 0.0 < ahead < PIVOT):
+    if free or (s.in_contact != 0.0 and 0.0 < ahead < PIVOT):
         most = UNLIMITED
     if ahead > 0.0:
         s.most_ahead = min(s.most_ahead, max(most, -p.cruise_astern_mps))
@@ -78,8 +79,8 @@ def keep_off(
 
 
 @kernel
-def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
-    """Limit a hull for the sake of quays that its drift carries it to, and note the nearest.
+def heed_lee(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> None:
+    """Limit a vessel for the sake of quays that its drift carries it to, and note the nearest.
 
     The quay at which it picks up an item sets no limits while its bow is towards that.
     """
@@ -106,27 +107,27 @@ def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> No
 
 
 @kernel
-def heed_lee_hull(s: VesselState, p: PackedHelm, other: VesselState, helm: PackedHelm) -> None:
-    """Limit a hull for the sake of another that its drift carries it to."""
+def heed_lee_hull(s: VesselState, p: ModelRecord, other: VesselState, model: ModelRecord) -> None:
+    """Limit a vessel for the sake of another that its drift carries it to."""
     if s.drift_x**2 + s.drift_y**2 < LEAST_DRIFT_MPS**2:
         return
     co, to = math.cos(other.yaw), math.sin(other.yaw)
     dx, dy = other.x - s.x, other.y - s.y
-    x, y = nearest_of(helm.length_m, helm.beam_m, co, to, -dx, -dy)
+    x, y = nearest_of(model.length_m, model.beam_m, co, to, -dx, -dy)
     keep_off(s, p, dx + x, dy + y, other.vx, other.vy, False)
 
 
 @kernel
 def make_room(
     s: VesselState,
-    p: PackedHelm,
+    p: ModelRecord,
     heading: float,
     nx: float,
     ny: float,
     room: float,
     begun: float,
 ) -> tuple[float, float]:
-    """Heading [rad] and speed [m/s] of a hull that wants to turn through broadside.
+    """Heading [rad] and speed [m/s] of a vessel that wants to turn through broadside.
 
     It stays where it is before a quay in the direction (nx, ny), or draws off from there.
 
@@ -147,21 +148,23 @@ def make_room(
 
 
 @kernel
-def turn_off(s: VesselState, p: PackedHelm, heading: float, speed: float) -> tuple[float, float]:
+def evasive_turn(
+    s: VesselState, p: ModelRecord, heading: float, speed: float
+) -> tuple[float, float]:
     """Heading [rad] and speed [m/s] wanted, or others that a quay to leeward asks for.
 
-    A hull that lies alongside turns its stern off: pushing ahead with the bow for a pivot, all of
+    A vessel that lies alongside turns its stern off: pushing ahead with the bow for a pivot, all of
     thrust, friction and Munk moment help. One that is nearly broadside, and soon there, turns bow
     or stern off, the way that it leans and turns already: one that comes broadside strikes with one
-    end and then, half as fast again, with the other. Before it turns through broadside a hull makes
-    room.
+    end and then, half as fast again, with the other. Before it turns through broadside a vessel
+    makes room.
     """
     far = math.sqrt(s.lee_x**2 + s.lee_y**2)
     if far == 0.0:
         return heading, speed
     nx, ny, c, t = s.lee_x / far, s.lee_y / far, math.cos(s.yaw), math.sin(s.yaw)
     ahead, across, square = nx * c + ny * t, ny * c - nx * t, math.atan2(ny, nx)
-    if s.leans != 0.0 and -HEADED < ahead < PIVOT:
+    if s.in_contact != 0.0 and -HEADED < ahead < PIVOT:
         return square, speed
     turning = -math.copysign(across, ahead * across) * s.rate / p.yaw_rate_radps
     begun, room = clipped(2.0 * turning, 0.0, 1.0), far - extent(p, HEADED)
@@ -176,8 +179,8 @@ def turn_off(s: VesselState, p: PackedHelm, heading: float, speed: float) -> tup
 
 
 @kernel
-def windward_room(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> float:
-    """How far up the drift of its place the hull should lie [m], for there is a quay to leeward."""
+def windward_room(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> float:
+    """Way up the drift of its place at which to lie [m], above 0 with a quay to leeward."""
     drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
     if drift < STRONG_DRIFT_MPS:
         return 0.0

@@ -12,8 +12,8 @@ import pytest
 from mjforage.graph_planner.policies.registry import create_policy
 from mjforage.mission.dynamics import LATE
 from mjforage.mission.setup import Setup
-from mjforage.physics.foretold import foretold, foretold_of_hull
-from mjforage.physics.vessel_helm import decision_s, full_speed_s
+from mjforage.physics.run_warnings import run_warnings, vessel_warnings
+from mjforage.physics.vessel_models import decision_s, full_speed_s
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.evaluate import evaluate
@@ -24,7 +24,7 @@ PHYSICS = ("physics",)
 
 
 def told(worlds: Sequence[str], *overrides: str) -> list[str]:
-    return list(foretold(Setup.of(load_scenario("comb-port", overrides)), worlds))
+    return list(run_warnings(Setup.of(load_scenario("comb-port", overrides)), worlds))
 
 
 def copied(folder: Path, name: str, *changes: tuple[str, str], without: str = "") -> str:
@@ -44,9 +44,9 @@ def copied(folder: Path, name: str, *changes: tuple[str, str], without: str = ""
 @pytest.mark.parametrize("preset", preset_names())
 def test_shipped_scenarios_have_hulls_that_feel_and_can_do_all(preset: str) -> None:
     setup = Setup.of(load_scenario(preset))
-    assert foretold(setup, ("graph", "physics")) == ()
+    assert run_warnings(setup, ("graph", "physics")) == ()
     for world in WORLDS:
-        assert not any(line.startswith("vessel ") for line in foretold(setup, (world,)))
+        assert not any(line.startswith("vessel ") for line in run_warnings(setup, (world,)))
 
 
 def test_wind_that_a_hull_does_not_feel_is_told(tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_keys_of_physics_that_no_world_of_a_run_feels_are_told(
 def test_currents_that_only_hulls_feel_are_told(key: str) -> None:
     current = f"weather.{key}=0.1"
     (line,) = told(PHYSICS, current, "physics.items=graph")
-    assert line.startswith(f"weather.{key}: hulls feel it, items do not by physics.items")
+    assert line.startswith(f"weather.{key}: vessels feel it, items do not by physics.items")
     assert told(PHYSICS, current, "physics.items=bodies") == []
     assert told(PHYSICS, "physics.items=graph") == []
     assert line not in told(("graph",), current, "physics.items=graph")
@@ -131,7 +131,7 @@ def test_a_hull_hunts_from_a_dead_time_as_long_as_its_rise(longer_s: float, hunt
     rise = full_speed_s(scout)
     vessel = replace(scout, lag_s=rise - 0.1 + longer_s)
     assert full_speed_s(vessel) == rise
-    lines = list(foretold_of_hull(vessel, 0.0, 0.02))
+    lines = list(vessel_warnings(vessel, 0.0, 0.02))
     assert [": it hunts, and its ways" in line for line in lines] == [True] * hunts
 
 

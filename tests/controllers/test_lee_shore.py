@@ -7,24 +7,24 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.controllers import Chart
-from mjforage.controllers.helm import packed
-from mjforage.controllers.lee import (
+from mjforage.controllers.lee_shore import (
     HEADED,
     LEE_S,
     OFF_M,
     OFF_MPS,
     SLANTED_RAD,
     SLIP_MPS,
+    evasive_turn,
     extent,
     heed_lee,
     heed_lee_hull,
-    turn_off,
 )
 from mjforage.controllers.quayside import course_in, note_quays, sets_beside
 from mjforage.controllers.safety import limit_speeds, settle
 from mjforage.controllers.state import VesselState
+from mjforage.controllers.vessel_model import packed
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import blank
@@ -35,7 +35,7 @@ FloatArray = NDArray[np.float64]
 
 SET_MPS = 0.3
 HARD_MPS = 0.3
-P = packed(helm_of(load_vessel("forager")))
+P = packed(vessel_model(load_vessel("forager")))
 ROWS = (".......",) * 5
 BASIN = Chart(grid(*ROWS), PITCH_M).land  # the southern quay at y = -2
 QUAY_Y = -0.5 * PITCH_M
@@ -172,8 +172,8 @@ def test_the_quay_of_the_item_is_free_to_a_bow() -> None:
     s.item_x, s.item_y, s.quay_y = s.x, QUAY_Y + 0.1, -1.0
     heed_lee(s, P, BASIN, PITCH_M)
     assert s.most_ahead == s.most_astern == FREE
-    assert turn_off(s, P, DOWN + 0.5, 0.5) == (DOWN + 0.5, 0.5)
-    assert turn_off(s, P, 0.2, 0.5)[1] < 0.0, "but not to come broadside before it"
+    assert evasive_turn(s, P, DOWN + 0.5, 0.5) == (DOWN + 0.5, 0.5)
+    assert evasive_turn(s, P, 0.2, 0.5)[1] < 0.0, "but not to come broadside before it"
 
 
 def test_a_course_along_the_quay_that_water_sets_onto_is_changed() -> None:
@@ -206,16 +206,16 @@ def test_another_hull_is_kept_off_unless_it_drifts_alike(drifts: bool) -> None:
     other.vy = -SET_MPS if drifts else 0.0
     heed_lee_hull(s, P, other, P)
     assert s.most_ahead == (FREE if drifts else pytest.approx((0.1 - OFF_M) / LEE_S))
-    fleet, helms, sea = np.array([s, other]), np.array([P, P]), np.zeros((0, 0), np.bool_)
-    limit_speeds(fleet, helms, sea, PITCH_M, 0)
+    fleet, models, sea = np.array([s, other]), np.array([P, P]), np.zeros((0, 0), np.bool_)
+    limit_speeds(fleet, models, sea, PITCH_M, 0)
     assert (fleet["most_ahead"][0] < 0.0) == (not drifts)
 
 
 def test_alongside_a_hull_turns_its_stern_off() -> None:
     s = hull(0.5 * P.beam_m, 0.0)
-    s.leans = 1.0
+    s.in_contact = 1.0
     heed_lee(s, P, BASIN, PITCH_M)
-    heading, _ = turn_off(s, P, UP, 0.0)
+    heading, _ = evasive_turn(s, P, UP, 0.0)
     assert heading == pytest.approx(DOWN)
     s.yaw = -0.6  # on its bow, it does not go astern yet
     s.most_ahead = FREE
@@ -228,18 +228,18 @@ def test_before_it_turns_through_broadside_it_makes_room() -> None:
     near, far = hull(1.3, DOWN), hull(3.0, DOWN)
     for s in (near, far):
         heed_lee(s, P, BASIN, PITCH_M)
-    assert turn_off(near, P, wanted, 1.0) == pytest.approx((DOWN + SLANTED_RAD, -OFF_MPS))
-    assert turn_off(far, P, wanted, 1.0)[0] == wanted
+    assert evasive_turn(near, P, wanted, 1.0) == pytest.approx((DOWN + SLANTED_RAD, -OFF_MPS))
+    assert evasive_turn(far, P, wanted, 1.0)[0] == wanted
 
 
 def test_broadside_and_soon_there_it_turns_by_the_shorter_way() -> None:
     s = hull(1.2, 0.2)
     s.vy = -SET_MPS
     heed_lee(s, P, BASIN, PITCH_M)
-    heading, _ = turn_off(s, P, 0.0, 0.0)
+    heading, _ = evasive_turn(s, P, 0.0, 0.0)
     assert math.sin(heading) == pytest.approx(1.0)
     s.yaw = -0.2
-    heading, _ = turn_off(s, P, 0.0, 0.0)
+    heading, _ = evasive_turn(s, P, 0.0, 0.0)
     assert math.sin(heading) == pytest.approx(-1.0)
     assert abs(math.sin(s.yaw)) < HEADED
 
@@ -250,14 +250,14 @@ def test_broadside_and_soon_there_it_goes_on_as_it_turns_whatever_it_wants(rate:
         s = hull(1.2, 0.05 * math.copysign(1.0, rate))
         s.vy, s.rate = -SET_MPS, rate
         heed_lee(s, P, BASIN, PITCH_M)
-        off, _ = turn_off(s, P, heading, 0.0)
+        off, _ = evasive_turn(s, P, heading, 0.0)
         assert math.sin(off) == pytest.approx(math.copysign(1.0, rate))
 
 
 def test_away_from_lee_shores_nothing_is_changed() -> None:
     s = hull(8.0, 0.0)
     heed_lee(s, P, BASIN, PITCH_M)
-    assert turn_off(s, P, 1.0, 0.7) == (1.0, 0.7)
+    assert evasive_turn(s, P, 1.0, 0.7) == (1.0, 0.7)
 
 
 @pytest.mark.parametrize(

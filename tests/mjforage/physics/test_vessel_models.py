@@ -1,4 +1,4 @@
-"""From vessels to helms, and tunings for vessels that bring none."""
+"""From vessels to models, and tunings for vessels that bring none."""
 
 import dataclasses
 import math
@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from mjforage.physics.vessel_helm import decision_s, default_control, helm_of
+from mjforage.physics.vessel_models import decision_s, default_control, vessel_model
 from mjforage.physics.vessels import (
     CrossFlow,
     ForceThruster,
@@ -69,7 +69,7 @@ NUMBERS = {
 
 
 def test_numbers_of_a_propeller_and_of_a_force() -> None:
-    otter, scout = helm_of(load_vessel("otter")), helm_of(load_vessel("scout"))
+    otter, scout = vessel_model(load_vessel("otter")), vessel_model(load_vessel("scout"))
     assert (otter.mass_surge_kg, otter.mass_sway_kg) == (80.0 + 5.28, 80.0 + 82.5)
     assert otter.inertia_yaw_kgm2 == pytest.approx(16.01 + 24.03)
     assert otter.munk_kg == pytest.approx(82.5 - 5.28)
@@ -80,14 +80,14 @@ def test_numbers_of_a_propeller_and_of_a_force() -> None:
 
 def test_controllers_know_every_number_of_a_hull() -> None:
     """Of a hull whose numbers are unlike, all that does not follow from several, by its name."""
-    known = dataclasses.asdict(helm_of(WORKBOAT))
+    known = dataclasses.asdict(vessel_model(WORKBOAT))
     assert {name: known[name] for name in NUMBERS} == NUMBERS
-    otter = helm_of(load_vessel("otter"))
+    otter = vessel_model(load_vessel("otter"))
     assert (otter.k_ahead, otter.k_astern) == (0.01108, 0.006445)
 
 
 def test_a_decision_takes_a_quarter_turn_and_the_way() -> None:
-    tuning = helm_of(WORKBOAT).tuning
+    tuning = vessel_model(WORKBOAT).tuning
     quarter = np.radians(90.0) / tuning.yaw_rate_radps
     assert decision_s(WORKBOAT, 1e-12) == pytest.approx(quarter, rel=1e-4)
     farther = decision_s(WORKBOAT, 400.0) - decision_s(WORKBOAT, 300.0)
@@ -96,7 +96,7 @@ def test_a_decision_takes_a_quarter_turn_and_the_way() -> None:
 
 def test_cross_flow_is_part_of_the_drag() -> None:
     """1/2 rho Cd T L in sway; in yaw the integral of x^2|x| over the length, L^4 / 32."""
-    half, forager = 0.5 * 1025.0 * 0.195, helm_of(load_vessel("forager"))
+    half, forager = 0.5 * 1025.0 * 0.195, vessel_model(load_vessel("forager"))
     assert forager.quadratic_sway == pytest.approx(half * 2.0)
     assert forager.quadratic_yaw == pytest.approx(40.05 * 10.0 + half * 2.0**4 / 32.0)
 
@@ -104,7 +104,7 @@ def test_cross_flow_is_part_of_the_drag() -> None:
 def test_the_table_of_a_vessel_is_its_tuning() -> None:
     scout = load_vessel("scout")
     assert scout.control is not None
-    assert dataclasses.asdict(helm_of(scout).tuning) == dataclasses.asdict(scout.control)
+    assert dataclasses.asdict(vessel_model(scout).tuning) == dataclasses.asdict(scout.control)
 
 
 @pytest.mark.parametrize("name", vessel_names())
@@ -115,8 +115,8 @@ def test_default_tunings_can_be_done(name: str) -> None:
     u, surge = control.cruise_ahead_mps, vessel.mass_kg + vessel.added_mass_surge_kg
     assert (vessel.linear_surge + vessel.quadratic_surge * u) * u == pytest.approx(1.8 * high)
     assert control.brake_mps2 * surge == pytest.approx(0.7 * -2.0 * low)
-    r, helm = control.yaw_rate_radps, helm_of(vessel)
-    drag = (helm.linear_yaw + helm.quadratic_yaw * r) * r
+    r, model = control.yaw_rate_radps, vessel_model(vessel)
+    drag = (model.linear_yaw + model.quadratic_yaw * r) * r
     assert drag < vessel.lever_m * (high - low)
 
 
