@@ -39,6 +39,8 @@ class OrienteeringPolicy:
     patience : added to the time of a scout's way in its bids; larger: it goes farther [decision]
     """
 
+    libraries = ("ortools",)  # beside those that every run computes with
+
     def __init__(
         self,
         every: int = 3,

@@ -50,14 +50,6 @@ def kernel_folder() -> Path | None:
     return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache") / "mjforage"
 
 
-def kernels_are_kept() -> bool:
-    """Whether kernels that are compiled now can be kept for other processes and runs."""
-    folder = kernel_folder()
-    while folder is not None and not folder.exists() and folder != folder.parent:
-        folder = folder.parent
-    return folder is not None and os.access(folder, os.W_OK | os.X_OK)
-
-
 class KernelCache:
     """numba's interface of a cache, for one dispatcher."""
 

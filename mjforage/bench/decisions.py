@@ -11,7 +11,7 @@ from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policies.registry import policy_names
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
-from mjforage.runs.decision_time import Watch, watched
+from mjforage.runs.decision_time import Timer, timed
 from mjforage.scenario.scenario_file import load_scenario
 
 FLEETS = (4, 16, 64)  # agents, half of them scouts
@@ -39,10 +39,10 @@ def fleet_setup(agents: int, horizon: int = HORIZON) -> Setup:
 
 
 def _episode_ms(setup: Setup, name: str, episode: int) -> float:
-    mission, watch = Mission(setup), Watch()
+    mission, timer = Mission(setup), Timer()
     mission.reset(0, np.array([episode]))
-    mission.run(watched(create_policy(name), watch, 1))
-    return 1000.0 * watch.cpu_s / max(1, watch.decisions)
+    mission.run(timed(create_policy(name), timer, 1))
+    return 1000.0 * timer.cpu_s / max(1, timer.decisions)
 
 
 def _time(setup: Setup, name: str) -> DecisionTime:

@@ -1,7 +1,6 @@
 """The app with all of its commands: each module adds its own to it."""
 
 from mjforage.cli import (
-    boarding,  # noqa: F401
     drawing,  # noqa: F401
     helping,  # noqa: F401
     hulls,  # noqa: F401

@@ -1,32 +1,19 @@
-"""What commands share: the app, where words go, progress and lists."""
+"""What commands share: the app, the streams, and lists."""
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Literal, TextIO
+from typing import TextIO
 
 import cyclopts
 from cyclopts import Parameter
 from rich.console import Console
 from rich.measure import Measurement
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-)
 from rich.table import Table
 from rich.text import Text
 
 from mjforage import __version__
-from mjforage.cli.progress import Lines, told
-
-Report = Callable[[float, float], None]  # of how many are done, of how many
-Water = Literal["light", "dark"]  # as `map.water` of a scenario
 
 NARROW = 60  # [columns] below which help has no frames, which would cut the names of flags
 PIPE_COLUMNS = 400  # tables keep their natural width where stdout is no terminal
@@ -66,68 +53,6 @@ if output.width < NARROW:
     app.help_formatter = "plain"
 errors = Console(stderr=True, soft_wrap=True, emoji=False, highlight=False)
 errors.is_interactive &= _is_terminal(sys.stderr)
-
-
-class _EndColumn(ProgressColumn):
-    """How long it will take, and that kernels are compiled."""
-
-    max_refresh = 0.5  # [s]
-
-    def __init__(self, lines: Lines) -> None:
-        super().__init__()
-        self._lines = lines
-
-    def render(self, task: Task) -> Text:
-        return Text(self._lines.end())
-
-
-@contextmanager
-def bar(words: str, unit: str) -> Iterator[Report]:
-    """Show how much is done of what is counted: a bar on a terminal, elsewhere a line now and then.
-
-    Parameters
-    ----------
-    words : what works, for example "evaluate"
-    unit : what is counted, for example "episodes"
-
-    Yields
-    ------
-    what is called with (done, total)
-    """
-    lines = Lines(words, unit, _line)
-    if not errors.is_interactive:
-        with told(lines):
-            yield lines
-        return
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        _EndColumn(lines),
-    )
-    with Progress(*columns, console=errors, transient=True) as progress:
-        task = progress.add_task(unit, total=None)
-
-        def report(done: float, total: float) -> None:
-            lines(done, total)
-            progress.update(task, completed=done, total=total)
-
-        yield report
-
-
-@contextmanager
-def working(words: str) -> Iterator[None]:
-    """Show that something of unknown length is being done."""
-    if errors.is_interactive:
-        with errors.status(words):
-            yield
-    else:
-        with told(Lines(words, "", _line)):
-            yield
-
-
-def _line(words: str) -> None:
-    errors.print(words, markup=False)
 
 
 def print_file(path: Path, *more: str) -> None:

@@ -4,8 +4,9 @@ import logging
 from pathlib import Path
 from typing import Annotated, Literal
 
-from mjforage.cli.console import OUT, app, bar, output, working
-from mjforage.cli.trust_flags import NOBODY, Trusted, own_word
+from mjforage.cli.console import OUT, app, output
+from mjforage.cli.flags import NOBODY, Trusted, trust_policies
+from mjforage.cli.progress import bar, working
 
 Point = Literal["overview", "chase", "top", "scout"]
 
@@ -72,16 +73,16 @@ def render(
     height
         Of a frame [pixel]; default 9/16 of the width.
     """
-    from mjforage.runs.replaying import replay_of_run
+    from mjforage.runs.replaying import recording_of_run
     from mjforage.view.render import render_recording
 
     logging.getLogger("mjforage.view.render").setLevel(logging.INFO)  # says what draws
-    own_word(policy, beside)
+    trust_policies(policy, beside)
     if beside is not None:
         check_beside(folder, policy, beside)
     with working("render, playing the episode again"):
-        replay = replay_of_run(folder, world, policy, episode)
-        other = None if beside is None else replay_of_run(folder, world, beside, episode)
+        replay = recording_of_run(folder, world, policy, episode)
+        other = None if beside is None else recording_of_run(folder, world, beside, episode)
     with bar("render", "frames") as shown:
         render_recording(
             replay,
@@ -153,13 +154,13 @@ def view(
         Seed of a scenario's episode; a run has its own.
     """
     from mjforage.mission.setup import Setup
-    from mjforage.runs.replaying import replay_of_run
+    from mjforage.runs.replaying import recording_of_run
     from mjforage.scenario.scenario_file import load_scenario
     from mjforage.view.render.viewer import check_display, view_recording, view_scenario
 
     check_display()
-    own_word(policy)
+    trust_policies(policy)
     if Path(what).is_dir():
-        view_recording(replay_of_run(Path(what), world, policy, episode), speed)
+        view_recording(recording_of_run(Path(what), world, policy, episode), speed)
     else:
         view_scenario(Setup.of(load_scenario(what)), seed, episode)

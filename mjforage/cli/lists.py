@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from mjforage.base.errors import UserError
-from mjforage.cli.console import OUT, Water, app, output, print_file, print_list
+from mjforage.cli.console import OUT, app, output, print_file, print_list
+from mjforage.cli.flags import Water
 
 if TYPE_CHECKING:
     from mjforage.scenario.maps import GridMap

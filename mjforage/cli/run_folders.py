@@ -1,48 +1,73 @@
 """Commands that make, read and draw run folders."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypedDict
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import FOLDER, Water, app, bar, output, print_table, working
-from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
-from mjforage.cli.trust_flags import NOBODY, Trusted
+from mjforage.cli.console import FOLDER, app, output, print_table
+from mjforage.cli.flags import (
+    NOBODY,
+    POLICY,
+    SAME_ONLY,
+    THIS_PROCESS,
+    By,
+    Computing,
+    Episodes,
+    GoingOn,
+    Map,
+    Metrics,
+    Overrides,
+    Resuming,
+    Scenario,
+    Seed,
+    Trusted,
+    WaterOf,
+)
+from mjforage.cli.progress import bar, working
 
 if TYPE_CHECKING:
     from mjforage.mission.setup import Setup
 
-Policies = Annotated[list[str], Parameter(name="--policy", negative="")]
+Policies = Annotated[list[str], POLICY]
 ShownPolicies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="")]
-Metrics = Annotated[tuple[str, ...], Parameter(name="--metric", negative="")]
-Overrides = Annotated[tuple[str, ...], Parameter(name="--set", negative="")]
 
 
-class Plan(TypedDict):
-    """What a run is besides its scenario and its policies."""
+@dataclass(frozen=True)
+class RunOptions:
+    """What evaluate and compare are told.
 
-    worlds: tuple[str, ...]
-    episodes: int
-    seed: int
-    metrics: tuple[str, ...]
-    kept: tuple[str | int, ...]
+    Parameters
+    ----------
+    replay
+        Episodes that are recorded for the report, of every world and policy: numbers and first,
+        median, worst, best by the share collected, such as 0,3,worst; or none. Each is played once
+        more. A finished run is added to by the same command.
+    """
+
+    metric: Metrics = ()
+    seed: Seed = 0
+    map: Map = None
+    water: WaterOf = None
+    set: Overrides = ()
+    replay: str = "first,median,worst"
+
+
+DEFAULT = RunOptions()
+With = Annotated[RunOptions, Parameter(name="*")]
 
 
 @app.command
 def evaluate(
-    scenario: str = "comb-port",
+    scenario: Scenario = "comb-port",
     /,
     *,
     policy: Policies,
-    metric: Metrics = (),
     world: str = "graph",
-    episodes: int = 100,
-    seed: int = 0,
-    map: str | None = None,
-    water: Water | None = None,
-    set: Overrides = (),
-    replay: str = "first,median,worst",
+    episodes: Episodes = 100,
+    choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
@@ -52,66 +77,25 @@ def evaluate(
 
     Parameters
     ----------
-    scenario
-        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
-    policy
-        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
-    metric
-        A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     world
         graph or physics, or a world between: hulls, debris, intake (see `mjforage compare`).
-    episodes
-        Episodes per policy; what --out holds goes on to more.
-    seed
-        Seed of the run; episode i is the same world for every policy.
-    map
-        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table,
-        grid or image. All else stays, starts too unless it is a generated harbour: drawn there.
-    water
-        Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table.
-    set
-        Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
-        policy.greedy.distance=2 for an option of a policy; repeatable.
-    replay
-        Episodes whose replays are kept for the report, of every world and policy: numbers and
-        first, median, worst, best by the share collected, such as 0,3,worst; or none. Each is
-        played once more. A finished run is added to by the same command.
     out
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
-    from mjforage.base.references import with_options
-    from mjforage.mission.setup import Setup
-    from mjforage.runs.kept import parse_kept
-    from mjforage.scenario.scenario_file import load_scenario
-
-    policy, set = with_options("policy", policy, set)
-    setup = Setup.of(load_scenario(scenario, set, map, water))
+    setup, players = _setup(scenario, policy, choice)
     folder = out or Path("runs") / setup.scenario.name
-    plan: Plan = {
-        "worlds": (world,),
-        "episodes": episodes,
-        "seed": seed,
-        "metrics": metric,
-        "kept": parse_kept(replay),
-    }
-    _play("evaluate", setup, policy, folder, plan, by, again)
+    _play("evaluate", setup, players, (world,), episodes, folder, choice, by, again)
 
 
 @app.command
 def compare(
-    scenario: str = "comb-port",
+    scenario: Scenario = "comb-port",
     /,
     *,
     policy: Policies,
-    metric: Metrics = (),
     ladder: bool = False,
-    episodes: int = 20,
-    seed: int = 0,
-    map: str | None = None,
-    water: Water | None = None,
-    set: Overrides = (),
-    replay: str = "first,median,worst",
+    episodes: Episodes = 20,
+    choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
@@ -121,67 +105,46 @@ def compare(
 
     Parameters
     ----------
-    scenario
-        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
-    policy
-        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
-    metric
-        A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     ladder
         Also the worlds between, one piece of reality more in each: hulls, debris, intake.
-    episodes
-        Episodes per policy and world; what --out holds goes on to more.
-    seed
-        Seed of the run; episode i is the same in every world and for every policy.
-    map
-        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table,
-        grid or image. All else stays, starts too unless it is a generated harbour: drawn there.
-    water
-        Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table.
-    set
-        Override KEY=VALUE in TOML syntax, for example weather.gust_intensity=0.2; repeatable.
-    replay
-        Episodes whose replays are kept for the report, of every world and policy: numbers and
-        first, median, worst, best by the share collected, such as 0,3,worst; or none. Each is
-        played once more. A finished run is added to by the same command.
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
-    from mjforage.base.references import with_options
-    from mjforage.mission.setup import Setup
     from mjforage.physics.worlds import ladder_of
-    from mjforage.runs.kept import parse_kept
-    from mjforage.scenario.scenario_file import load_scenario
 
-    policy, set = with_options("policy", policy, set)
-    setup = Setup.of(load_scenario(scenario, set, map, water))
+    setup, players = _setup(scenario, policy, choice)
     worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
     folder = out or Path("runs") / f"{setup.scenario.name}-gap"
-    plan: Plan = {
-        "worlds": worlds,
-        "episodes": episodes,
-        "seed": seed,
-        "metrics": metric,
-        "kept": parse_kept(replay),
-    }
-    _play("compare", setup, policy, folder, plan, by, again)
+    _play("compare", setup, players, worlds, episodes, folder, choice, by, again)
+
+
+def _setup(scenario: str, policies: Sequence[str], choice: RunOptions) -> "tuple[Setup, list[str]]":
+    from mjforage.base.references import with_options
+    from mjforage.mission.setup import Setup
+    from mjforage.scenario.scenario_file import load_scenario
+
+    players, overrides = with_options("policy", policies, choice.set)
+    return Setup.of(load_scenario(scenario, overrides, choice.map, choice.water)), players
 
 
 def _play(
     words: str,
     setup: "Setup",
     policies: list[str],
+    worlds: tuple[str, ...],
+    episodes: int,
     folder: Path,
-    plan: Plan,
+    choice: RunOptions,
     by: Computing,
     again: Resuming,
 ) -> None:
     """Run, show the headline table and draw the report."""
     from mjforage.graph_planner.policies import is_upper_bound
     from mjforage.runs.evaluate import evaluate as run
+    from mjforage.runs.selection import parse_selection
     from mjforage.view.report import terminal_table, write_report
 
+    kept = parse_selection(choice.replay)
     shares = ", ".join(f"{n} reach {share:.0%}" for n, share in setup.reachable_shares.items())
     rows, columns = setup.graph.shape
     output.print(
@@ -193,7 +156,11 @@ def _play(
             setup,
             policies,
             folder,
-            **plan,
+            worlds=worlds,
+            episodes=episodes,
+            seed=choice.seed,
+            metrics=choice.metric,
+            kept=kept,
             workers=by.workers,
             progress=shown,
             resume=again.resume,

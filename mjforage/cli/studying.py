@@ -1,4 +1,4 @@
-"""`mjforage study ...`: what parts, agents and teams are worth, over variants of a scenario."""
+"""`mjforage study ...`: variants of a scenario, or benchmark tasks, on the same episodes."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -8,22 +8,35 @@ from typing import TYPE_CHECKING, Annotated
 import cyclopts
 from cyclopts import Parameter
 
-from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import FOLDER, Water, app, bar, output, working
-from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
-from mjforage.cli.trust_flags import NOBODY, Trusted
+from mjforage.cli.console import FOLDER, app, output
+from mjforage.cli.flags import (
+    NOBODY,
+    SAME_ONLY,
+    THIS_PROCESS,
+    By,
+    Computing,
+    GoingOn,
+    Map,
+    Metrics,
+    Overrides,
+    Policies,
+    Resuming,
+    Scenario,
+    Trusted,
+    WaterOf,
+    Words,
+)
+from mjforage.cli.progress import bar, working
 
 if TYPE_CHECKING:
     from mjforage.runs.study import Study, Variant
-    from mjforage.scenario.scenario import Scenario
+    from mjforage.scenario.scenario import Scenario as Base
 
 study = cyclopts.App(
     name="study", help="Studies: many variants of a scenario on the same episodes, in one report."
 )
 app.command(study)
 
-Names = Annotated[tuple[str, ...], Parameter(negative="")]
-Policies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="")]
 PAPER = ("ddqn", "ddqn-reward", "greedy", "levy", "wanderer")
 INFORMED = ("greedy", "belief", "ddqn")
 
@@ -40,28 +53,18 @@ class StudyOptions:
         Episodes per variant, policy and world; what --out holds goes on to more.
     seed
         Seed of the study; episode i is the same in every variant.
-    map
-        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table,
-        grid or image. All else stays, starts too unless it is a generated harbour: drawn there.
-    water
-        Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table.
-    set
-        Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
-        policy.greedy.distance=2 for an option of a policy; repeatable.
-    metric
-        A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     out
         Study folder; default runs/SCENARIO-KIND. An unfinished study of the same settings is
         resumed.
     """
 
-    world: Names = ("graph",)
+    world: Words = ("graph",)
     episodes: int = 100
     seed: int = 0
-    map: str | None = None
-    water: Water | None = None
-    set: Names = ()
-    metric: Names = ()
+    map: Map = None
+    water: WaterOf = None
+    set: Overrides = ()
+    metric: Metrics = ()
     out: Annotated[Path | None, FOLDER] = None
 
 
@@ -75,29 +78,18 @@ class Draws:
         Distance of the levels of corruption from 0 to 1.
     whole_team
         One draw corrupts the whole team, and random foragers still take a known item beside them:
-        the rule of the published code, which made the paper's slopes. Without it every agent has
-        its own draw, as defined.
-    """
-
-    step: float = 0.05
-    whole_team: bool = False
-
-
-@dataclass(frozen=True)
-class PaperDraws:
-    """How teams are corrupted, unless told otherwise as in the paper's runs.
-
-    Parameters
-    ----------
-    step
-        Distance of the levels of corruption from 0 to 1.
-    whole_team
-        One draw corrupts the whole team, and random foragers still take a known item beside them:
         the rule of the published code, which made the paper's slopes. With --per-agent every agent
         has its own draw, as the paper defines it.
     """
 
     step: float = 0.05
+    whole_team: Annotated[bool, Parameter(negative=("--per-agent", "--no-whole-team"))] = False
+
+
+@dataclass(frozen=True)
+class PaperDraws(Draws):  # noqa: D101  as `Draws`, with another default
+    __doc__ = Draws.__doc__
+
     whole_team: Annotated[bool, Parameter(negative=("--per-agent", "--no-whole-team"))] = True
 
 
@@ -109,7 +101,7 @@ Printed = Annotated[PaperDraws, Parameter(name="*")]
 
 @study.command
 def parts(
-    scenario: str = "published",
+    scenario: Scenario = "published",
     /,
     *,
     choice: With = DEFAULT,
@@ -117,13 +109,7 @@ def parts(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """What each part of the belief planner is worth, and what wrong assumptions cost it.
-
-    Parameters
-    ----------
-    scenario
-        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
-    """
+    """What each part of the belief planner is worth, and what wrong assumptions cost it."""
     from mjforage.runs import variants
 
     _play("parts", scenario, (), lambda base, _: variants.parts(base), choice, by, again)
@@ -131,7 +117,7 @@ def parts(
 
 @study.command
 def ablation(
-    scenario: str = "published",
+    scenario: Scenario = "published",
     /,
     *,
     policy: Policies = PAPER,
@@ -140,16 +126,7 @@ def ablation(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """What an agent of each team is worth: marginal contributions (the paper's Tables 5 and 6).
-
-    Parameters
-    ----------
-    scenario
-        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
-    policy
-        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
-    """
+    """What an agent of each team is worth: marginal contributions (the paper's Tables 5 and 6)."""
     from mjforage.runs import variants
 
     _play("ablation", scenario, policy, variants.ablation, choice, by, again)
@@ -157,7 +134,7 @@ def ablation(
 
 @study.command
 def corruption(
-    scenario: str = "published",
+    scenario: Scenario = "published",
     /,
     *,
     policy: Policies = PAPER,
@@ -167,19 +144,10 @@ def corruption(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """How performance falls as a team's actions become random: sensitivity slopes (CSSC).
-
-    Parameters
-    ----------
-    scenario
-        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
-    policy
-        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
-    """
+    """How performance falls as a team's actions become random: sensitivity slopes (CSSC)."""
     from mjforage.runs import variants
 
-    def varied(base: "Scenario", players: Sequence[str]) -> "tuple[Variant, ...]":
+    def varied(base: "Base", players: Sequence[str]) -> "tuple[Variant, ...]":
         return variants.corruption(base, players, draws.step, draws.whole_team)
 
     _play("corruption", scenario, policy, varied, choice, by, again, **asdict(draws))
@@ -187,7 +155,7 @@ def corruption(
 
 @study.command
 def paper(
-    scenario: str = "published",
+    scenario: Scenario = "published",
     /,
     *,
     policy: Policies = PAPER,
@@ -197,19 +165,10 @@ def paper(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """All tables and figures of the paper, with its numbers beside ours.
-
-    Parameters
-    ----------
-    scenario
-        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
-    policy
-        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
-    """
+    """All tables and figures of the paper, with its numbers beside ours."""
     from mjforage.runs import variants
 
-    def varied(base: "Scenario", players: Sequence[str]) -> "tuple[Variant, ...]":
+    def varied(base: "Base", players: Sequence[str]) -> "tuple[Variant, ...]":
         return variants.paper(base, players, draws.step, draws.whole_team)
 
     _play("paper", scenario, policy, varied, choice, by, again, **asdict(draws))
@@ -217,7 +176,7 @@ def paper(
 
 @study.command
 def communication(
-    scenario: str = "comb-port",
+    scenario: Scenario = "comb-port",
     /,
     *,
     policy: Policies = INFORMED,
@@ -226,16 +185,7 @@ def communication(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """What range, quays, latency, losses and budgets of a link take, and what a relay is worth.
-
-    Parameters
-    ----------
-    scenario
-        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
-    policy
-        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
-    """
+    """What range, quays, latency, losses and budgets of a link take, and what a relay is worth."""
     from mjforage.runs.communication import communication as varied
 
     _play("communication", scenario, policy, varied, choice, by, again)
@@ -243,7 +193,7 @@ def communication(
 
 @study.command
 def sensing(
-    scenario: str = "comb-port",
+    scenario: Scenario = "comb-port",
     /,
     *,
     policy: Policies = INFORMED,
@@ -252,26 +202,67 @@ def sensing(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """What misses and false alarms take, and what wrong assumptions about them cost the planner.
-
-    Parameters
-    ----------
-    scenario
-        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
-    policy
-        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
-    """
+    """What misses and false alarms take, and what wrong assumptions about them cost the planner."""
     from mjforage.runs.sensing import sensing as varied
 
     _play("sensing", scenario, policy, varied, choice, by, again)
+
+
+@study.command
+def board(
+    *courses: str,
+    policy: Policies = (),
+    map: Words = (),
+    episodes: int = 100,
+    seed: int = 0,
+    set: Overrides = (),
+    metric: Metrics = (),
+    out: Annotated[Path, FOLDER] = Path("runs/board"),
+    by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
+) -> None:
+    """Every policy on the same episodes of several courses: scores, costs, and the best of each.
+
+    Parameters
+    ----------
+    courses
+        SCENARIO or SCENARIO@WORLD: a preset (see `mjforage scenarios`) or a TOML file, in the graph
+        world unless another is named. Default: comb-port published open-bay channels
+        comb-port-weather comb-port-radio comb-port@physics comb-port-weather@physics. Without
+        --policy all policies that have a name play; one that cannot play a course is left out of
+        it, and the page says why.
+    map
+        A course more: the rules of comb-port on this map, a name, grid or image; with a world as in
+        harbour.csv@physics. Starts are those beside it, or drawn by chance; repeatable.
+    episodes
+        Episodes per course and policy; what --out holds goes on to more.
+    seed
+        Seed of the study; episode i of a course is the same for every policy.
+    out
+        Study folder. An unfinished study of the same settings is resumed.
+    """
+    from mjforage.base.references import with_options
+    from mjforage.runs.board import board as planned
+    from mjforage.runs.courses import courses_of
+
+    by.workers  # noqa: B018  what is wrong with them is said first
+    players, overrides = with_options("policy", policy, set)
+    with working("checking who can play"):
+        found = courses_of(courses, map, overrides)
+        plan = planned(found, players, episodes=episodes, seed=seed, metrics=metric)
+    names = {name for one in plan.variants for name in one.policies}
+    for name, reason in dict.fromkeys((one.policy, one.reason) for one in plan.left_out):
+        where = [one.variant for one in plan.left_out if (one.policy, one.reason) == (name, reason)]
+        output.print(f"left out of {', '.join(where)}: {reason}", soft_wrap=True)
+    _run(plan, out, f"board of {len(names)} policies", by, again)
 
 
 def _play(
     kind: str,
     scenario: str,
     policies: Sequence[str],
-    varied: "Callable[[Scenario, Sequence[str]], tuple[Variant, ...]]",
+    varied: "Callable[[Base, Sequence[str]], tuple[Variant, ...]]",
     choice: StudyOptions,
     by: Computing,
     again: Resuming,
@@ -291,26 +282,18 @@ def _play(
     worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
     plan = Study(kind, setup, variants, worlds, episodes, seed, options, tuple(choice.metric))
     folder = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
-
-    words = f"{kind} study of {setup.scenario.name} on map {setup.grid.name}"
-    carry_out(plan, folder, words, by, again)
+    _run(plan, folder, f"{kind} study of {setup.scenario.name} on map {setup.grid.name}", by, again)
 
 
-def carry_out(plan: "Study", folder: Path, words: str, by: Computing, again: Resuming) -> None:
-    """Compute a study and draw its report.
-
-    Parameters
-    ----------
-    words : what it is, said before the first episode
-    """
+def _run(plan: "Study", folder: Path, words: str, by: Computing, again: Resuming) -> None:
+    """Compute a study and draw its report; `words` are said before the first episode."""
     from mjforage.runs.study import run_study
     from mjforage.view.report.studies import write_study_report
-
-    workers = by.workers
 
     def begin() -> None:
         output.print(f"{words}: {len(plan.variants)} variants, {plan.episodes} episodes each")
 
+    workers = by.workers
     with bar(f"study {plan.kind}", "episodes") as shown:
         run_study(plan, folder, workers=workers, progress=shown, begin=begin, resume=again.resume)
     with working("drawing the report"):

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from mjforage.base.errors import UserError
-from mjforage.cli.console import FOLDER, Water, app, bar, errors, output
-from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
-from mjforage.cli.trust_flags import NOBODY, Trusted
+from mjforage.cli.console import FOLDER, app, errors, output
+from mjforage.cli.flags import NOBODY, SAME_ONLY, GoingOn, Trusted, Water
+from mjforage.cli.progress import bar
 
 if TYPE_CHECKING:
     from mjforage.learning.training.progress import Row

@@ -2,13 +2,13 @@
 
 import asyncio
 import logging
+import re
 import socket
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
@@ -19,42 +19,19 @@ from mjforage.runs.identity import run_info
 from mjforage.runs.interrupts import interrupts_held
 from mjforage.runs.run_info import load_run
 
-PROTOCOLS = ("tcp", "tls")
+_ADDRESS = re.compile(r"(tcp|tls)://[^\s:/@]+:\d+|(tcp|tls)://\[[\da-f:]+\]:\d+")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker
 POLL_S = 0.02
 REMEDY = "run the same command again: finished chunks are kept"
 
 
 def check_address(scheduler: str) -> None:
-    """Refuse what is no address of a scheduler, for which dask would wait, and then fail unclearly.
-
-    Raises
-    ------
-    UserError
-        Naming what is wrong with it.
-    """
-    fault = _fault(scheduler)
-    if fault:
+    """Refuse what is no address, for which dask would wait and then fail unclearly; `UserError`."""
+    if not _ADDRESS.fullmatch(scheduler):
         raise UserError(
-            f"--scheduler {scheduler}: {fault}; give the address that `dask scheduler` prints, "
+            f"--scheduler {scheduler}: is no address; give the one that `dask scheduler` prints, "
             "such as tcp://host:8786"
         )
-
-
-def _fault(scheduler: str) -> str:
-    protocol, found, rest = scheduler.partition("://")
-    if not found or protocol not in PROTOCOLS:
-        return f"does not begin with {' or '.join(f'{name}://' for name in PROTOCOLS)}"
-    try:
-        parts = urlsplit(f"//{rest}")
-        host, port = parts.hostname, parts.port
-    except ValueError as error:
-        return str(error)
-    if not host or any(sign.isspace() for sign in rest):
-        return "has no host"
-    if not port:
-        return "has no port"
-    return "has more than host and port" if parts.netloc != rest.rstrip("/") else ""
 
 
 @contextmanager

@@ -1,7 +1,4 @@
-"""What a policy's decisions take, without what the mission around them does.
-
-Nothing that is simulated hangs on it: a watched policy is asked and answers as it would be.
-"""
+"""The time of a policy's decisions, without what the mission around them does."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -18,8 +15,8 @@ from mjforage.mission.task import GroundTruth, Observation, Task
 
 
 @dataclass
-class Watch:
-    """Time of the decisions of a batch, but for the first, which loads and compiles.
+class Timer:
+    """Time of the decisions of a batch, without the first, which loads and compiles.
 
     Attributes
     ----------
@@ -47,11 +44,11 @@ class Watch:
         self._calls += 1
 
 
-class _Watched:
+class _Timed:
     """A policy that is timed; all else of it shows through."""
 
-    def __init__(self, policy: Policy, watch: Watch, episodes: int) -> None:
-        self._policy, self._watch, self._episodes = policy, watch, episodes
+    def __init__(self, policy: Policy, timer: Timer, episodes: int) -> None:
+        self._policy, self._timer, self._episodes = policy, timer, episodes
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._policy, name)
@@ -61,27 +58,27 @@ class _Watched:
         self._policy.reset(task, keys)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
-        with self._watch.running():
+        with self._timer.running():
             answer = self._policy.act(observation)
-        self._watch.decided(int(np.count_nonzero(observation.active)) // self._holders)
+        self._timer.decided(int(np.count_nonzero(observation.active)) // self._holders)
         return answer
 
 
-class _WatchedBound(_Watched):
+class _TimedBound(_Timed):
     def set_ground_truth(self, truth: GroundTruth) -> None:
         assert isinstance(self._policy, UpperBound)
-        with self._watch.running():
+        with self._timer.running():
             self._policy.set_ground_truth(truth)
 
 
-def watched(policy: Policy, watch: Watch, episodes: int) -> Policy:
-    """The policy, timed by a watch.
+def timed(policy: Policy, timer: Timer, episodes: int) -> Policy:
+    """The policy, whose decisions are timed.
 
     Parameters
     ----------
     episodes : of its batch; a policy that decides for every holder has a row for each
     """
-    kind = _WatchedBound if isinstance(policy, UpperBound) else _Watched
+    kind = _TimedBound if isinstance(policy, UpperBound) else _Timed
     made = type(type(policy).__name__, (kind,), {})  # messages name the class
-    timed: Policy = made(policy, watch, episodes)
-    return timed
+    proxy: Policy = made(policy, timer, episodes)
+    return proxy

@@ -9,40 +9,32 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from mjforage.base.errors import UserError
 from mjforage.runs import cluster
-from mjforage.runs.assignments import Assignment, Episode, Task, Work, keep_replay, run_chunk
 from mjforage.runs.interrupts import (
     interrupts_held,
-    loose_ends_dropped,
-    replaced_workers_unsaid,
     start_quiet_tracker,
+    suppress_replaced_workers,
+    suppress_stopping_errors,
 )
-from mjforage.runs.storage import Chunk
+from mjforage.runs.jobs import Job, Task, Work
 from mjforage.runs.workers import Workers
 
 Results = Generator[tuple[int, str | None]]
-"""The place of a finished task in the work, and what `run_chunk` said of it."""
+"""The place of a finished task in the work, and what was said of it."""
 
 
-def run_chunks(work: Sequence[Task[Chunk]], workers: Workers) -> Generator[int]:
-    """Carry out chunks, yielding the place of each one that is finished.
+def carried_out(
+    call: Callable[[Job, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+) -> Generator[int]:
+    """Have `run_chunk` or `record_episode` called, yielding the place of each task that is done.
 
     Raises
     ------
     UserError
-        If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
+        If a task fails for a reason that a user can mend, a worker was killed, or the cluster
         cannot be used. Finished chunks stay.
     """
-    yield from _carried_out(run_chunk, work, workers)
-
-
-def keep_replays(work: Sequence[Task[Episode]], workers: Workers) -> Generator[int]:
-    """The same for episodes that are to be kept, once it is known which they are."""
-    yield from _carried_out(keep_replay, work, workers)
-
-
-def _carried_out(
-    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
-) -> Generator[int]:
+    if not work:
+        return
     done = _remote if workers.remote else _local
     with closing(done(call, work, workers)) as results:
         for place, error in results:
@@ -52,14 +44,14 @@ def _carried_out(
 
 
 def _remote(
-    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+    call: Callable[[Job, Work], str | None], work: Sequence[Task[Work]], workers: Workers
 ) -> Results:
     with cluster.connected(workers.scheduler, workers.local_cluster) as client:
         yield from cluster.finished(client, call, work)
 
 
 def _local(
-    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+    call: Callable[[Job, Work], str | None], work: Sequence[Task[Work]], workers: Workers
 ) -> Results:
     jobs = min(workers.jobs, len(work))
     # no arrays travel: nothing to map into memory, so no folder for that, which could stay behind
@@ -67,7 +59,7 @@ def _local(
     results = None
     if workers.jobs > 1:
         start_quiet_tracker()
-        replaced_workers_unsaid()
+        suppress_replaced_workers()
     try:
         with interrupts_held():
             results = parallel(joblib.delayed(call)(*task) for task in work)
@@ -80,6 +72,6 @@ def _local(
     finally:
         if results is not None:
             # what is left is cancelled without a word
-            with warnings.catch_warnings(), loose_ends_dropped():
+            with warnings.catch_warnings(), suppress_stopping_errors():
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()

@@ -12,24 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.runs.held import AXES as HELD_AXES
-from mjforage.runs.held import Held
+from mjforage.runs.knowledge_record import AXES as HELD_AXES
+from mjforage.runs.knowledge_record import KnowledgeRecord
 from mjforage.runs.run_info import again
 from mjforage.scenario.fleet import agent_names
 from mjforage.scenario.sizes import check_memory
 
 _DAMAGED = (
-    *(
-        OSError,
-        ValueError,
-        TypeError,
-        LookupError,
-        EOFError,
-        SyntaxError,
-        RuntimeError,
-        MemoryError,
-    ),
-    *(RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error, tokenize.TokenError),
+    *(OSError, ValueError, TypeError, LookupError, EOFError, SyntaxError, RuntimeError),
+    *(MemoryError, zipfile.BadZipFile, zlib.error, tokenize.TokenError),
 )
 """What zipfile and numpy raise on damaged files."""
 _AXES = {
@@ -51,8 +42,6 @@ _AXES = {
     **HELD_AXES,
 }
 """Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
-NOT_FIELDS = ("held", "names")
-"""What a file does not hold under its name."""
 
 
 @dataclass(frozen=True)
@@ -90,21 +79,18 @@ class Recording:
     policy: str = ""
     seed: int = 0
     episode: int = 0
-    held: Held | None = None
+    held: KnowledgeRecord | None = None
     """What each agent itself knows; None where all know all."""
-    names: tuple[str, ...] = ()
-    """(agent,) as the run folder names them, which holds them; empty: as this version does."""
 
     @property
     def labels(self) -> tuple[str, ...]:
         """Names (agent,) of the vessels."""
-        return self.names or agent_names(self.agent_team, self.team_names)
+        return agent_names(self.agent_team, self.team_names)
 
     def content(self) -> bytes:
         """A compressed npz of plain arrays, as the content of a file."""
         buffer = io.BytesIO()
-        kept = {k: value for k, value in vars(self).items() if k not in NOT_FIELDS}
-        plain = {k: value for k, value in kept.items() if value is not None}
+        plain = {k: v for k, v in vars(self).items() if k != "held" and v is not None}
         arrays = {k: np.asarray(value) for k, value in plain.items()}
         arrays |= self.held.arrays() if self.held is not None else {}
         np.savez_compressed(buffer, allow_pickle=False, **arrays)
@@ -119,40 +105,23 @@ class Recording:
         UserError
             If the file is missing, truncated or not a replay.
         """
-        if path.is_file():
-            check_memory(f"replay {path}", _unpacked(path), again(path.parent.parent))
+        remedy = again(path.parent.parent)
         try:
+            with zipfile.ZipFile(path) as packed:  # a few bytes can claim any number of them
+                unpacked = sum(part.file_size for part in packed.infolist())
+            check_memory(f"replay {path}", unpacked, remedy)
             with np.load(path, allow_pickle=False) as file:
                 return cls(**_values(file))
         except _DAMAGED as error:
-            raise UserError(
-                f"replay {path}: cannot be read ({error}); {again(path.parent.parent)}"
-            ) from error
-
-
-def _unpacked(path: Path) -> int:
-    """Bytes of a file's arrays, which a few compressed ones can claim in any number.
-
-    Raises
-    ------
-    UserError
-        If it is no file of arrays.
-    """
-    try:
-        with zipfile.ZipFile(path) as file:
-            return sum(part.file_size for part in file.infolist())
-    except _DAMAGED as error:
-        raise UserError(
-            f"replay {path}: truncated or not a replay; {again(path.parent.parent)}"
-        ) from error
+            raise UserError(f"replay {path}: cannot be read ({error}); {remedy}") from error
 
 
 def _values(file: Any) -> dict[str, Any]:
     """The fields of a replay from an open npz file."""
-    names = [f.name for f in fields(Recording) if f.name not in NOT_FIELDS]
+    names = [one.name for one in fields(Recording) if one.name != "held"]
     values = {name: file[name] for name in names}
     _check_axes(values | {name: file[name] for name in HELD_AXES if name in file})
-    values["held"] = Held.of(file, values["navigable"].size)
+    values["held"] = KnowledgeRecord.of(file, values["navigable"].size)
     for kind, words in (
         (float, ("pitch_m", "period_s", "frame_s")),
         (int, ("horizon", "seed", "episode")),

@@ -23,16 +23,15 @@ from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.run_warnings import run_warnings
 from mjforage.physics.worlds import WORLDS, create_mission
-from mjforage.runs.assignments import Assignment, Episode, replay_is_kept
 from mjforage.runs.costs import Invocation, costs_content
-from mjforage.runs.distributing import keep_replays, run_chunks
+from mjforage.runs.distributing import carried_out
 from mjforage.runs.identity import pinned, run_info
-from mjforage.runs.kept import FIRST, KEPT, check_kept, chosen, ranked, sure
+from mjforage.runs.jobs import Episode, Job, is_recorded, record_episode, run_chunk
 from mjforage.runs.layout import chunk_size, plan, take_apart
 from mjforage.runs.resuming import Resume, archive
+from mjforage.runs.selection import FIRST, USUAL, check_selection, ranks_of, selected
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
-from mjforage.runs.under_way import forget, waiting
 from mjforage.runs.workers import Workers
 from mjforage.scenario.sizes import check_memory, table_bytes
 
@@ -89,7 +88,7 @@ class Run:
     info: dict[str, Any]  # content of run.json
     folder: RunFolder
     metrics: tuple[str, ...]  # references, beside ours
-    kept: tuple[str | int, ...]  # episodes, as of `kept.parse_kept`
+    kept: tuple[str | int, ...]  # episodes to record, as of `parse_selection`
     chunks: list[Chunk] = field(default_factory=list)  # of `lay_out`
 
     @classmethod
@@ -110,7 +109,7 @@ class Run:
         Parameters
         ----------
         metrics : references to metrics, beside ours
-        kept : episodes of every world and policy whose replays are kept; no part of what a run is
+        kept : episodes of every world and policy to record; no part of what a run is
 
         Raises
         ------
@@ -126,8 +125,8 @@ class Run:
                 raise UserError(f"world {world}: given twice")
             create_mission(setup, world)  # what cannot be run says so before anything is written
         check_numbers(episodes, seed)
-        kept = check_kept(kept, episodes)
-        item_choices(setup.scenario.physics)  # which replays need, also at graph level
+        kept = check_selection(kept, episodes)
+        item_choices(setup.scenario.physics)  # recordings need them, also at graph level
         in_all = episodes * len(policies) * len(worlds)
         check_memory(
             f"episodes {episodes}: the report of {in_all} in all",
@@ -189,8 +188,8 @@ class Run:
         timings = {"cpu_s": cpu_s, "steps": steps, "wall_s": wall_s}
         write_json(path / "run.json", self.info | {"timings": timings})
 
-    def not_kept(self) -> list[Episode]:
-        """Episodes whose replays are wanted and not there, of a run whose tables are merged.
+    def not_recorded(self) -> list[Episode]:
+        """Selected episodes without a recording, of a run whose tables are merged.
 
         Raises
         ------
@@ -198,12 +197,12 @@ class Run:
             If the table of episodes is missing or damaged.
         """
         table = self.folder.episodes(self.chunks)
-        wanted = [
-            Episode(str(world), str(policy), number)
-            for (world, policy), rows in table.group_by("world", "policy", maintain_order=True)
-            for number in chosen(self.kept, _ranks(rows))
-        ]
-        return [one for one in wanted if not replay_is_kept(self.folder.path, one)]
+        found = []
+        for (world, policy), rows in table.group_by("world", "policy", maintain_order=True):
+            pta_c, length = rows.sort("episode").select("pta_c", "length").to_numpy().T
+            numbers = selected(self.kept, ranks_of(pta_c, length))
+            found += [Episode(str(world), str(policy), number) for number in numbers]
+        return [one for one in found if not is_recorded(self.folder.path, one)]
 
     def close(self) -> Summary:
         """Write the summary of a run whose tables are merged.
@@ -219,13 +218,7 @@ class Run:
         return summary
 
 
-def _ranks(rows: pl.DataFrame) -> dict[str, int]:
-    """Rank -> episode of one world and policy."""
-    pta_c, length = rows.sort("episode").select("pta_c", "length").to_numpy().T
-    return ranked(pta_c, length)
-
-
-def carry_out(
+def run_all(
     runs: Sequence[Run], workers: Workers, invocation: Invocation, progress: Progress
 ) -> list[Summary]:
     """Compute what is missing of all runs in one go, and close each one once it is whole.
@@ -233,66 +226,65 @@ def carry_out(
     Parameters
     ----------
     invocation : of these workers, as of `Workers.invocation`
-    progress : called with (episodes done, episodes in all), then for each that is played again to
-        be kept
+    progress : called with (episodes done, episodes in all)
 
     Raises
     ------
     UserError
-        As `run_chunks` and `Run.close`. Finished chunks stay.
+        As `carried_out` and `Run.close`. Finished chunks stay.
     """
-    with waiting(run.folder.under_way for run in runs):
-        return _carried_out(runs, workers, invocation, progress)
-
-
-def _carried_out(
-    runs: Sequence[Run], workers: Workers, invocation: Invocation, progress: Progress
-) -> list[Summary]:
-    started, work = time.perf_counter(), []
-
-    def assigned(run: Run) -> Assignment:
-        path, at_once = run.folder.path, sure(run.kept)
-        return Assignment.of(
-            run.setup, run.seed, path, run.info, run.metrics, invocation, workers, at_once
-        )
-
+    started = time.perf_counter()
     for run in runs:
         run.lay_out()
-    assignments = {
-        place: assigned(run) for place, run in enumerate(runs) if not run.folder.complete
-    }
-    _foretell([runs[place] for place in assignments])
-    for place in assignments:
-        run = runs[place]
-        work += [(place, chunk) for chunk in run.chunks if not run.folder.has(chunk)]
+    jobs = [
+        Job.of(run.setup, run.folder.path, run.info, run.metrics, invocation, workers)
+        for run in runs
+    ]
+    begun = [place for place, run in enumerate(runs) if not run.folder.complete]
+    _foretell([runs[place] for place in begun])
+    work = [
+        (place, chunk)
+        for place in begun
+        for chunk in runs[place].chunks
+        if not runs[place].folder.has(chunk)
+    ]
     total = sum(chunk.count for run in runs for chunk in run.chunks)
     done = total - sum(chunk.count for _, chunk in work)
     progress(done, total)
     left = Counter(place for place, _ in work)
-    asked = [(assignments[place], chunk) for place, chunk in work]
-    nothing = (place for place in range(0))
+    tasks = [(jobs[place], chunk) for place, chunk in work]
     summaries: list[Summary] = []
-    again: list[tuple[Assignment, Episode]] = []
-    with closing(run_chunks(asked, workers) if work else nothing) as results:
+    with closing(carried_out(run_chunk, tasks, workers)) as results:
         for place, run in enumerate(runs):  # runs are computed in their order
             while left[place]:
                 owner, chunk = work[next(results)]
                 left[owner] -= 1
                 done += chunk.count
-                forget(runs[owner].folder.under_way / chunk.name)
                 progress(done, total)
-            if place in assignments:
+            if place in begun:
                 run.merge(time.perf_counter() - started)
             summaries.append(run.close())
-            missing = run.not_kept()
-            again += [(assignments.get(place) or assigned(run), one) for one in missing]
         for _ in results:  # none is left, but workers end by themselves
             pass
-    for _ in keep_replays(again, workers) if again else nothing:
-        progress(total, total)
-    for run in runs if again else ():
-        _name_what_is_not_kept(run)
+    _record(runs, jobs, workers)
     return summaries
+
+
+def _record(runs: Sequence[Run], jobs: Sequence[Job], workers: Workers) -> None:
+    """Record the selected episodes, and say which do not come out as logged."""
+    tasks = [(job, one) for run, job in zip(runs, jobs, strict=True) for one in run.not_recorded()]
+    for _ in carried_out(record_episode, tasks, workers):
+        pass
+    for job, one in tasks:
+        if not is_recorded(job.folder, one):
+            _logger.warning(
+                "%s: episode %d of %s in world %s does not come out as logged, so it is not "
+                "recorded; it was made with other versions or code",
+                job.folder,
+                one.number,
+                one.policy,
+                one.world,
+            )
 
 
 def _foretell(runs: Sequence[Run]) -> None:
@@ -300,19 +292,6 @@ def _foretell(runs: Sequence[Run]) -> None:
     lines = (line for run in runs for line in run_warnings(run.setup, run.worlds))
     for line in dict.fromkeys(lines):
         _logger.warning("%s", line)
-
-
-def _name_what_is_not_kept(run: Run) -> None:
-    """Say which episodes do not come out as logged."""
-    for one in run.not_kept():
-        _logger.warning(
-            "%s: episode %d of %s in world %s does not come out as logged, so its replay is not "
-            "kept; it was made with other versions or code",
-            run.folder.path,
-            one.number,
-            one.policy,
-            one.world,
-        )
 
 
 def evaluate(
@@ -325,7 +304,7 @@ def evaluate(
     workers: Workers = THIS_PROCESS,
     worlds: Sequence[str] = ("graph",),
     metrics: Sequence[str] = (),
-    kept: Sequence[str | int] = KEPT,
+    kept: Sequence[str | int] = USUAL,
     progress: Progress = lambda done, total: None,
     resume: Resume = "same",
 ) -> Summary:
@@ -337,7 +316,7 @@ def evaluate(
     policies : references, see `create_policy`
     worlds : names
     metrics : `package.module:Class` of metrics to take beside ours
-    kept : episodes whose replays are kept, as of `kept.parse_kept`; a finished run is added to
+    kept : episodes to record, as of `parse_selection`; a finished run is added to
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more
     seed : of the run
@@ -370,4 +349,4 @@ def evaluate(
         archive(folder, "run")
     run.open(accept=resume == "accept-code-change")
     with run.folder.lock():
-        return carry_out([run], workers, invocation, progress)[0]
+        return run_all([run], workers, invocation, progress)[0]

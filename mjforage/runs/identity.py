@@ -7,12 +7,12 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
-from functools import lru_cache
+from functools import reduce
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from mjforage.base.registry import ImportSpec, is_ours
+from mjforage.base.registry import ImportSpec
 from mjforage.graph_planner.policies.registry import (
     is_upper_bound,
     outside_class,
@@ -23,9 +23,8 @@ from mjforage.graph_planner.policies.registry import (
 from mjforage.mission.mission_metrics import Metric, chosen_metrics, description
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import WORLDS
+from mjforage.runs.fingerprint import Code, our_code, outside_code
 from mjforage.runs.resuming import UNCOMPARED
-from mjforage.runs.source_code import DIGITS, WHOLE, Code, decisive_code
-from mjforage.scenario.assets import models_folder
 from mjforage.scenario.capture import load_capture, usual_capture
 from mjforage.scenario.scenario_file import canonical_json, scenario_to_tree
 from mjforage.scenario.vessel_files import hull_names
@@ -40,49 +39,26 @@ def pinned(setup: Setup) -> Setup:
     return replace(setup, scenario=replace(setup.scenario, map=choice))
 
 
-@lru_cache(maxsize=64)
-def _mission_code(physics: bool) -> Code:
-    """Code of the mission and its scores, and of MuJoCo's world if asked for."""
-    modules = ("mission", "episode_log")
-    paths = [f"mjforage.mission.{name}" for name in modules] + ["mjforage.runs.tables"]
-    code = decisive_code([*paths, *(["mjforage.physics.worlds"] if physics else [])], WHOLE)
-    if not physics:
-        return code
-    shapes = {
-        f"models/{path.name}": hashlib.sha256(path.read_bytes()).hexdigest()[:DIGITS]
-        for path in models_folder().glob("*.xml")
-    }
-    return code.joined(Code(shapes, {}))
-
-
-@lru_cache(maxsize=256)
-def _code_of(made: Callable[..., Any]) -> Code:
-    """Code of a class, as it is when first asked for: a class does not change in a process."""
-    return decisive_code([made.__module__])
-
-
-def code_of(classes: Iterable[Callable[..., Any]], outside: bool = False) -> Code:
-    """Code of classes that are found by their names; only of those not ours if `outside`."""
-    code = Code({}, {})
-    for made in classes:
-        if not (outside and is_ours(made)):
-            code = code.joined(_code_of(made))
-    return code
-
-
-def policy_code(policies: Iterable[str], outside: bool = False) -> Code:
-    """Code of policies; only that which is not ours if `outside`."""
-    names = list(policies)
-    parts = [part for name in names for part in policy_parts(name)]
-    return code_of([*map(policy_class, names), *parts], outside)
+def outside_code_of(policies: Iterable[str], classes: Iterable[Callable[..., Any]] = ()) -> Code:
+    """Code of policies with their parts, and of classes, as far as it is not ours."""
+    parts = [part for name in policies for part in (policy_class(name), *policy_parts(name))]
+    return reduce(Code.joined, map(outside_code, [*parts, *classes]), Code({}, {}))
 
 
 def run_code(
     policies: Iterable[str], worlds: Iterable[str], metrics: Iterable[type[Metric]]
 ) -> Code:
-    """All code that decides a run's numbers; that of our own metrics counts with the mission."""
-    code = _mission_code(any(world != "graph" for world in worlds))
-    return code.joined(policy_code(policies)).joined(code_of(metrics, outside=True))
+    """All code that decides a run's numbers, and the libraries that it computes with."""
+    names = list(policies)
+    libraries = ["mujoco"] if any(world != "graph" for world in worlds) else []
+    libraries += [one for name in names for one in policy_libraries(name)]
+    return our_code(libraries).joined(outside_code_of(names, metrics))
+
+
+def policy_libraries(name: str) -> tuple[str, ...]:
+    """Libraries that a policy computes with, beside those that every run uses."""
+    weights = any(file.suffix == ".safetensors" for file in policy_files(name))
+    return (*getattr(policy_class(name), "libraries", ()), *(("torch",) if weights else ()))
 
 
 def versions(code: Code) -> dict[str, str]:
@@ -188,7 +164,7 @@ def run_info(
             "navigable": ["".join("01"[int(cell)] for cell in row) for row in navigable],
         },
         "versions": versions(code),
-        "code": code.files,
+        "code": code.hashes,
         "seed": seed,
         "episodes": episodes,
         "worlds": list(worlds),

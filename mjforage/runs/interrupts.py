@@ -72,7 +72,7 @@ def start_quiet_tracker() -> None:
         sys.warnoptions.remove(_NO_WARNING)
 
 
-def replaced_workers_unsaid() -> None:
+def suppress_replaced_workers() -> None:
     """Drop the warning that a worker made way for a new one.
 
     loky takes a worker that has grown by 300 MB since its first task for a leaking one. Ours grow
@@ -83,7 +83,7 @@ def replaced_workers_unsaid() -> None:
 
 
 @contextmanager
-def loose_ends_dropped() -> Iterator[None]:
+def suppress_stopping_errors() -> Iterator[None]:
     """Drop the error of the thread that hands out work, raised while its workers are killed.
 
     Its loop forgets all work on the way out, then looks up what was not yet handed out: a

@@ -11,7 +11,7 @@ from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.held import HeldRecorder
+from mjforage.runs.knowledge_record import KnowledgeRecorder
 from mjforage.scenario.vessel_files import hull_names
 
 
@@ -65,7 +65,7 @@ def record(
     trajectory, recorder = TrajectoryRecorder(), _Recorder()
     mission = create_mission(setup, world, trajectory)
     mission.reset(seed, np.array([episode], np.int64))
-    by_agent = HeldRecorder() if mission.exchange.link_log is not None else None
+    by_agent = KnowledgeRecorder() if mission.exchange.link_log is not None else None
     mission.run(create_policy(policy), (recorder, *((by_agent,) if by_agent else ()), *observers))
     choice = setup.scenario.physics
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))

@@ -69,43 +69,22 @@ def _compared(info: Mapping[str, Any], key: str) -> Any:
 
 
 def _words(there: object, here: object, path: tuple[str, ...]) -> Iterator[str]:
-    if path == (GROWS,) and _is_more(there, here):
+    if path == (GROWS,) and isinstance(there, int) and isinstance(here, int) and there < here:
         return
     if isinstance(there, dict) and isinstance(here, dict):
         for name in {**there, **here}:
             yield from _words(there.get(name), here.get(name), (*path, name))
     elif there != here:
-        key = ".".join(path)
-        if key == "metrics":  # of a run made before they were listed
-            return
-        if path[0] == "metrics":
-            yield f"metric {path[-1]} is {'not there' if there is None else 'gone'}"
-        elif path[0] == "code":
-            yield _of_code(there, here, path[-1])
-        elif key == "map.navigable":
-            yield "the map's cells differ"
-        elif key == "agents":
-            yield "the agents are others or in another order"
+        key, values = ".".join(path), (_shown(there), _shown(here))
+        more = ", and a run goes on to more only" if path == (GROWS,) else ""
+        if max(map(len, values)) > _LONGEST:
+            yield f"{key} differs"
         else:
-            kept = ", and a run goes on to more only" if key == GROWS else ""
-            yield f"{key} is {_short(there)} there and {_short(here)} here{kept}"
+            yield f"{key} is {values[0]} there and {values[1]} here{more}"
 
 
-def _is_more(there: object, here: object) -> bool:
-    return isinstance(there, int) and isinstance(here, int) and there < here
-
-
-def _of_code(there: object, here: object, file: str) -> str:
-    if file == "code":
-        return "it does not say of which code it is" if there is None else "the code differs"
-    if there is None or here is None:
-        return f"{file} is {'not there' if there is None else 'gone'}"
-    return f"{file} differs"
-
-
-def _short(value: object) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+def _shown(value: object) -> str:
+    return "missing" if value is None else json.dumps(value)
 
 
 def refusal(kind: str, found: list[Difference]) -> str:

@@ -142,11 +142,6 @@ class RunFolder:
             if label in known and first.isdecimal() and count.isdecimal()
         ]
 
-    @property
-    def under_way(self) -> Path:
-        """Folder of what is told of chunks that are being played."""
-        return self._chunks / ".under-way"
-
     def write(self, chunk: Chunk, frames: Mapping[str, pl.DataFrame], cost: Cost) -> None:
         """Store a finished chunk, whole or not at all.
 

@@ -14,21 +14,21 @@ from mjforage.base.atomic_files import write_json
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies.registry import policy_label
 from mjforage.mission.setup import Setup
-from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
+from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, run_all
+from mjforage.runs.fingerprint import commit
 from mjforage.runs.foreign import check_files, check_names
 from mjforage.runs.identity import provenance
-from mjforage.runs.kept import FIRST, KEPT
 from mjforage.runs.lock import folder_lock
-from mjforage.runs.resuming import GROWS, Resume, archive, found_in, open_folder
+from mjforage.runs.resuming import Resume, archive, found_in, open_folder
 from mjforage.runs.run_info import REMEDY, read_json
-from mjforage.runs.source_code import commit
+from mjforage.runs.selection import FIRST, USUAL
 from mjforage.runs.workers import Workers
 from mjforage.scenario.maps import GridMap
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import scenario_to_tree
 from mjforage.scenario.schema import OPEN, check
 
-IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options")
+IDENTITY = ("kind", "scenario", "worlds", "seed", "options", "episodes", "variants")
 
 
 @dataclass(frozen=True)
@@ -178,52 +178,6 @@ def variant_folder(folder: Path, name: str) -> Path:
     return folder / "variants" / name
 
 
-def _told(info: StudyInfo) -> dict[str, str]:
-    """Flag -> its value in words, such as "with --step 0.05", of the flags that decide a study."""
-    players = [variant.policies for variant in info.variants.values()]
-    values = {
-        "world": list(info.worlds),
-        "policy": list(dict.fromkeys(name for policies in players for name in policies)),
-        "episodes": info.episodes,
-        "seed": info.seed,
-    } | dict(info.options)
-    return {name: _words(f"--{name.replace('_', '-')}", value) for name, value in values.items()}
-
-
-def _words(flag: str, value: object) -> str:
-    if isinstance(value, bool):
-        return f"with {flag}" if value else f"without {flag}"
-    several = value if isinstance(value, list) else [value]
-    return f"with {' '.join(f'{flag} {one}' for one in several)}"
-
-
-def _check_flags(folder: Path, info: Mapping[str, Any]) -> None:
-    """Name the flags that differ from those of the study in the folder, if it holds one.
-
-    What is no study, or one of another kind or scenario, is for `open_folder` to name.
-
-    Raises
-    ------
-    UserError
-        Naming the flags, both values and the remedy.
-    """
-    try:
-        found = load_study_info(folder / "study.json")
-    except UserError:
-        return
-    there, here = _told(found), _told(check(StudyInfo, info, "study"))
-    if found.kind != info["kind"] or there.keys() != here.keys():
-        return
-    for flag, before, now in zip(here, there.values(), here.values(), strict=True):
-        grows = flag == GROWS and found.episodes < info["episodes"]
-        if before != now and not grows:
-            code = flag == "policy" and ":" in before  # a file's word is no advice to name code
-            remedy = "choose" if code else f"go on {before}, or choose"
-            raise UserError(
-                f"{folder}: holds another study, made {before}, not {now}; {remedy} another --out"
-            )
-
-
 def run_study(
     study: Study,
     folder: Path,
@@ -257,7 +211,6 @@ def run_study(
     invocation = workers.invocation({p for run in runs for p in run.policies}, study.metrics)
     if resume == "fresh":
         archive(folder, "study")
-    _check_flags(folder, study.info)
     found_in(folder, "study", study.info, IDENTITY)
     for run in runs:  # before anything is written: a study that is refused stays as it was
         run.folder.check(run.info, resume == "accept-code-change")
@@ -268,7 +221,7 @@ def run_study(
             run.open(accept=resume == "accept-code-change")
             stack.enter_context(run.folder.lock())
         begin()
-        summaries: Sequence[Any] = carry_out(runs, workers, invocation, progress)
+        summaries: Sequence[Any] = run_all(runs, workers, invocation, progress)
         names = [variant.name for variant in study.variants]
         summary = dict(zip(names, summaries, strict=True))
         write_json(folder / "summary.json", summary)
@@ -286,7 +239,7 @@ def _plan(study: Study, variant: Variant, folder: Path) -> Run:
             seed=study.seed,
             worlds=variant.worlds or study.worlds,
             metrics=study.metrics,
-            kept=KEPT if variant is study.variants[0] else FIRST,
+            kept=USUAL if variant is study.variants[0] else FIRST,
         )
     except UserError as error:
         if variant is study.variants[0]:  # the scenario as it is

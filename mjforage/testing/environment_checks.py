@@ -165,35 +165,33 @@ def check_api(trial: EnvironmentTrial) -> None:
 
 
 def check_seed(trial: EnvironmentTrial) -> None:
-    """One seed and the same actions give the same episode, to the bit."""
-    one, two = rollout(trial, trial.make(), trial.seed), rollout(trial, trial.make(), trial.seed)
-    _compare(trial, "seed", one, two, "for one seed; draw all chance from the seed of reset")
-
-
-def check_fresh(trial: EnvironmentTrial) -> None:
-    """A seeded episode does not depend on those played before it."""
+    """One seed and the same actions give the same episode, whatever was played before it."""
     env = trial.make()
     rollout(trial, env, trial.seed + 1)
     one, two = rollout(trial, trial.make(), trial.seed), rollout(trial, env, trial.seed)
-    words = "in a fresh environment and after another episode; let reset forget everything"
-    _compare(trial, "fresh", one, two, words)
-
-
-def _compare(
-    trial: EnvironmentTrial, check: str, one: list[Frame], two: list[Frame], why: str
-) -> None:
     for step, (a, b) in enumerate(zip(one, two, strict=False)):
-        for what, here, there in (
-            ("observation", leaves(a.seen), leaves(b.seen)),
-            ("reward", leaves(a.rewards), leaves(b.rewards)),
-            ("end", leaves({"": a.over}), leaves({"": b.over})),
-        ):
-            for path in {**here, **there}:
-                missing = np.zeros(0)
-                found = first_difference(here.get(path, missing), there.get(path, missing))
-                if found:
-                    name = f"{what} {path}".strip()
-                    raise trial.error(check, f"gave {name} {found} at step {step} {why}")
+        found = _difference(a, b)
+        if found:
+            raise trial.error(
+                "seed",
+                f"gave {found} at step {step} for one seed, fresh and after another episode; draw "
+                "all chance from the seed of reset, and let reset forget everything",
+            )
+
+
+def _difference(one: Frame, other: Frame) -> str:
+    """Where two frames differ first, as text; "" if nowhere."""
+    missing = np.zeros(0)
+    for what, here, there in (
+        ("observation", leaves(one.seen), leaves(other.seen)),
+        ("reward", leaves(one.rewards), leaves(other.rewards)),
+        ("end", leaves({"": one.over}), leaves({"": other.over})),
+    ):
+        for path in {**here, **there}:
+            found = first_difference(here.get(path, missing), there.get(path, missing))
+            if found:
+                return f"{what} {path} {found}".replace("  ", " ")
+    return ""
 
 
 def check_space(trial: EnvironmentTrial) -> None:
@@ -206,25 +204,12 @@ def check_space(trial: EnvironmentTrial) -> None:
                 raise trial.error(
                     "space",
                     f"gave an observation{_of(agent)} at step {step} that is not in its space "
-                    f"({_stray(space, seen)}); mend the observation or the space",
+                    f"{space}; mend the observation or the space",
                 )
 
 
 def _of(agent: str) -> str:
     return f" of {agent}" if agent else ""
-
-
-def _stray(space: Any, seen: Any) -> str:
-    """The part of an observation that its space does not hold."""
-    if isinstance(space, spaces.Dict) and isinstance(seen, Mapping):
-        if set(space.keys()) != set(seen):
-            return f"keys {sorted(seen)} for {sorted(space.keys())}"
-        for key, part in space.items():
-            if not part.contains(seen[key]):
-                return f"{key}: {_stray(part, seen[key])}"
-    found = np.asarray(seen)
-    shown = f", {found.min()} to {found.max()}" if found.size and found.dtype.kind in "iuf" else ""
-    return f"{found.dtype} {found.shape}{shown} for {space}"
 
 
 def check_memory(trial: EnvironmentTrial) -> None:
@@ -264,109 +249,31 @@ def check_rewards(trial: EnvironmentTrial) -> None:
 
 
 def check_mask(trial: EnvironmentTrial) -> None:
-    """`action_mask` leaves a legal action, and tells those that `info["illegal"]` counts.
-
-    What it calls legal must not be counted; what it calls illegal must be counted or refused.
-    Whether it is true is known only for `Discrete` actions of an environment that counts.
-    """
-    env, random = trial.make(), np.random.default_rng(trial.seed)
-    seen, over, step, counted = begin(env, trial.seed), False, 0, 0
-    while not over and step < trial.steps:
-        for agent, one in seen.items():
+    """`action_mask` leaves a legal action, and none that `info["illegal"]` counts."""
+    for step, frame in enumerate(rollout(trial, trial.make(), trial.seed)):
+        for agent, one in frame.seen.items():
             mask = _mask(one)
             if mask is not None and not mask.any(axis=-1).all():
                 raise trial.error(
                     "mask",
                     f"gave a mask{_of(agent)} without a legal action at step {step}; allow one",
                 )
-        frame = play(env, chosen(env, seen, random))
-        seen, over, step = frame.seen, frame.over, step + 1
-        counted = int(frame.infos.get(ONLY, {}).get("illegal", 0))
-        if counted and isinstance(env.action_space, spaces.Discrete):
+        illegal = int(frame.infos.get(ONLY, {}).get("illegal", 0))
+        if illegal and isinstance(trial.make().action_space, spaces.Discrete):
             raise trial.error(
                 "mask",
-                f"counted {counted} illegal actions at step {step}, which its mask had "
-                "called legal; let the mask say what is legal",
+                f"counted {illegal} illegal actions at step {step}, which its mask had called "
+                "legal; let the mask say what is legal",
             )
-    _check_masked(trial)
-
-
-def _check_masked(trial: EnvironmentTrial) -> None:
-    """The first action that a mask calls illegal must be counted, or refused."""
-    env, random = trial.make(), np.random.default_rng(trial.seed)
-    if is_parallel(env) or not isinstance(env.action_space, spaces.Discrete):
-        return
-    seen, over, tried = begin(env, trial.seed), False, False
-    for _ in range(trial.steps):
-        mask = _mask(seen[ONLY])
-        if over or mask is None:
-            return
-        action = chosen(env, seen, random)
-        if not tried and not mask.all():
-            action, tried = {ONLY: np.int64(np.flatnonzero(~mask)[0])}, True
-        try:
-            frame = play(env, action)
-        except Exception:  # noqa: BLE001 - refused, as it may be
-            return
-        info = frame.infos[ONLY]
-        if tried and "illegal" in info:
-            if not info["illegal"]:
-                raise trial.error(
-                    "mask",
-                    f"did not count action {action[ONLY]} as illegal, which its mask had "
-                    "called so; let the mask say what is legal",
-                )
-            return
-        seen, over = frame.seen, frame.over
-
-
-def check_actions(trial: EnvironmentTrial) -> None:
-    """What is no action is refused with an error that has words, and nothing is played."""
-    env, other = trial.make(), trial.make()
-    seen, _ = begin(env, trial.seed), begin(other, trial.seed)
-    action = chosen(env, seen, np.random.default_rng(trial.seed))
-    agent = next(iter(action))
-    wrong = _outside(_space(env, agent, "action"), action[agent])
-    try:
-        play(env, action | {agent: wrong})
-    except Exception as error:
-        if not str(error).strip():
-            raise trial.error(
-                "actions",
-                f"refused action {wrong} with {type(error).__name__} and no word; say "
-                "what is wrong and what to give",
-            ) from error
-    else:
-        raise trial.error(
-            "actions",
-            f"took action {wrong}{_of(agent)}, which is not in its space; refuse it with "
-            "an error that says what to give",
-        )
-    one, two = play(env, action), play(other, action)
-    words = "after an action that it had refused and without it; play nothing that is refused"
-    _compare(trial, "actions", [one], [two], words)
-
-
-def _outside(space: Any, action: Any) -> Any:
-    """An action of the right shape that is not in a space."""
-    if isinstance(space, spaces.Box):
-        return np.full(space.shape, np.nan, space.dtype)
-    if isinstance(space, spaces.MultiDiscrete):
-        return np.asarray(space.nvec, np.int64)
-    if isinstance(space, spaces.Discrete):
-        return np.int64(space.start + space.n)
-    return None
 
 
 ENVIRONMENT_CHECKS = (
     check_api,
     check_seed,
-    check_fresh,
     check_space,
     check_memory,
     check_rewards,
     check_mask,
-    check_actions,
 )
 
 

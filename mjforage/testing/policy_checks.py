@@ -119,26 +119,8 @@ class _Watched:
         return np.asarray(answer)
 
 
-def check_shape(trial: PolicyTrial) -> None:
-    """`act` answers with an array (row, agent, 9) of floating-point numbers."""
-    policy, mission = trial.fresh(), Mission(trial.setup)
-    mission.reset(trial.seed, np.arange(trial.episodes))
-    policy.reset(trial.setup.task, mission.keys)
-    if isinstance(policy, UpperBound):
-        policy.set_ground_truth(mission.truth)
-    answer = policy.act(mission.observation)
-    shape = (trial.episodes, len(trial.setup.fleet), 9)
-    kind = getattr(getattr(answer, "dtype", None), "kind", "")
-    if getattr(answer, "shape", None) != shape or kind != "f":
-        was = f"{answer.dtype} {answer.shape}" if isinstance(answer, np.ndarray) else type(answer)
-        raise trial.error(
-            "shape",
-            f"gave {was}; give floating-point numbers of shape (row, agent, 9), here {shape}",
-        )
-
-
 def check_values(trial: PolicyTrial) -> None:
-    """Preferences of rows whose episode is not over are finite, or minus infinity."""
+    """Preferences (row, agent, 9) are finite, or minus infinity, until the episode is over."""
     policy, mission = trial.fresh(), Mission(trial.setup)
     mission.reset(trial.seed, np.arange(trial.episodes))
     mission.prepare(policy)
@@ -255,7 +237,6 @@ def _answers(
 
 
 POLICY_CHECKS = (
-    check_shape,
     check_values,
     check_repeatable,
     check_reset,

@@ -27,8 +27,8 @@ POLICIES = ("greedy", "levy")
 PROGRAM = """
 import contextlib, signal
 signal.signal(signal.SIGINT, signal.default_int_handler)
-import mjforage.cli.console
-mjforage.cli.console.told = lambda lines: contextlib.nullcontext()
+import mjforage.cli.progress
+mjforage.cli.progress._lines = lambda text: contextlib.nullcontext()
 {before}
 from mjforage.cli import main
 main()
@@ -50,7 +50,7 @@ Command = Callable[..., Outcome]
 @pytest.fixture
 def command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
     """Run the command line in this process, without the lines that say how far it has come."""
-    monkeypatch.setattr("mjforage.cli.console.told", lambda lines: nullcontext())
+    monkeypatch.setattr("mjforage.cli.progress._lines", lambda text: nullcontext())
 
     def run(*arguments: object) -> Outcome:
         capsys.readouterr()

@@ -25,13 +25,12 @@ from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.progress import Row
 from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.setup import Setup
+from mjforage.runs.fingerprint import our_code
 from mjforage.runs.identity import (
-    code_of,
     files_hash,
     hull_facts,
-    policy_code,
+    outside_code_of,
     provenance,
-    run_code,
     text_hash,
     versions,
     weight_hashes,
@@ -39,7 +38,6 @@ from mjforage.runs.identity import (
 from mjforage.runs.interrupts import stop_noted
 from mjforage.runs.lock import folder_lock
 from mjforage.runs.resuming import CODE, Resume, archive, open_folder
-from mjforage.runs.source_code import WHOLE, decisive_code
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import canonical_json
 
@@ -207,15 +205,14 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
     """Content of `training.json`."""
     settings = trainer.hyperparameters
     teachers = [one for one in (getattr(settings, "teacher", ""),) if one]
-    code = decisive_code(["mjforage.learning.training.algorithm"], WHOLE)
+    libraries = ("torch", "torchrl", *(() if settings.world == "graph" else ("mujoco",)))
     found: list[Callable[..., Any]] = [type(trainer), encoder_class(settings.observation)]
     found += map(term_class, settings.reward)
-    code = code.joined(policy_code(teachers)).joined(code_of(found))
+    code = our_code(libraries, learning=True).joined(outside_code_of(teachers, found))
     weights, hulls, setups = weight_hashes(teachers), {}, _setups(trainer)
     if settings.initial:
         weights |= {settings.initial: files_hash([initial_file(settings.initial)])}
     if settings.world != "graph":
-        code = code.joined(run_code([], [settings.world], []))
         hulls = {"hulls": _hulls(setups, [settings.world])}
     return {
         "command": provenance()["command"],
@@ -225,7 +222,7 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
         "weights": weights,
         **hulls,
         "versions": versions(code),
-        "code": code.files,
+        "code": code.hashes,
     }
 
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.mission.mission_metrics import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.kept import replay_files
 from mjforage.runs.parquet import collected, count_rows, read_schema, scan_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
+from mjforage.runs.selection import recording_files
 from mjforage.view.page import style
 from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_means
 
@@ -302,6 +302,6 @@ def pick_replay(logs: RunLogs) -> Recording | None:
         If the chosen one cannot be read.
     """
     for case in logs.cases:
-        for path in replay_files(logs.folder, case.world, case.policy).values():
+        for path in recording_files(logs.folder, case.world, case.policy).values():
             return Recording.load(path)
     return None

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.held import Held
+from mjforage.runs.knowledge_record import KnowledgeRecord
 
 Ints = NDArray[np.int64]
 POSITION_M, YAW_RAD, WIND_MPS = 0.01, 0.01, 0.01  # what one unit of the data is worth
@@ -108,7 +108,7 @@ def _discovered(replay: Recording) -> Ints:
     return np.where(step < 0, never, np.minimum(step, never))
 
 
-def _held_parts(held: Held, cells: int) -> list[Ints]:
+def _held_parts(held: KnowledgeRecord, cells: int) -> list[Ints]:
     """Beliefs of each agent, and the links: steps are counted from 1, 0 is never."""
     linked = held.linked.astype(np.int64)
     parts = [

@@ -16,8 +16,8 @@ from matplotlib.colors import to_hex
 from mjforage.base.errors import UserError
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.kept import ranked, replay_files
 from mjforage.runs.run_info import REMEDY, RunInfo, load_run
+from mjforage.runs.selection import ranks_of, recording_files
 from mjforage.scenario.vessel_files import vessel_names
 from mjforage.view.page import style
 from mjforage.view.report.run_logs import load_episodes, scalar
@@ -110,7 +110,7 @@ class _Run:
             _File(self, world, policy, episode, path)
             for world in self.run.worlds
             for policy in style.ordered(self.policies or self.run.policies)
-            for episode, path in replay_files(self.folder, world, policy).items()
+            for episode, path in recording_files(self.folder, world, policy).items()
         )
 
     @cached_property
@@ -122,7 +122,7 @@ class _Run:
         rows = self._episodes.filter(world=file.world, policy=file.policy)
         if rows.height < 2:
             return []
-        found = ranked(scalar(rows, "pta_c"), scalar(rows, "length"))
+        found = ranks_of(scalar(rows, "pta_c"), scalar(rows, "length"))
         return [rank for rank, episode in found.items() if episode == file.episode]
 
     def facts(self) -> dict[str, Any]:

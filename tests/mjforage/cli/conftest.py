@@ -24,7 +24,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("bad")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        patch.setattr("mjforage.cli.console.told", lambda lines: nullcontext())
+        patch.setattr("mjforage.cli.progress._lines", lambda text: nullcontext())
         patch.setattr("mjforage.bench.running.bench", lambda report: {})
         patch.setattr("mjforage.view.report.draw_figures", lambda logs: [])
         patch.setattr("mjforage.view.page.html.save_figure", lambda folder, picture: (b"", b""))

@@ -20,7 +20,7 @@ from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.identity import _code_of
+from mjforage.runs.fingerprint import outside_code
 from mjforage.scenario.scenario_file import load_scenario
 
 ENCODER = '''import numpy as np
@@ -97,7 +97,7 @@ TINY = {
 def forget() -> None:
     for name in [name for name in sys.modules if name.startswith("own_")]:
         del sys.modules[name]
-    _code_of.cache_clear()
+    outside_code.cache_clear()
 
 
 @pytest.fixture

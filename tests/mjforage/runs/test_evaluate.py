@@ -15,7 +15,7 @@ from mjforage.graph_planner.policies.registry import check_policies
 from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.mission.setup import Setup
 from mjforage.runs import evaluate as module
-from mjforage.runs import identity, layout, source_code
+from mjforage.runs import fingerprint, layout
 from mjforage.runs.costs import Costs
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate, summarise
@@ -203,7 +203,7 @@ def recompute_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         pytest.fail("a finished run was computed again")
 
-    monkeypatch.setattr(module, "run_chunks", fail)
+    monkeypatch.setattr(module, "run_chunk", fail)
 
 
 def test_a_finished_run_is_left_alone(
@@ -273,13 +273,9 @@ def test_weights_that_changed_are_another_run(
 def test_another_version_is_refused(
     run_copy: Path, evaluate_small: Small, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(source_code, "_version", lambda name: "99.0")
-    identity._code_of.cache_clear()
-    identity._mission_code.cache_clear()
+    monkeypatch.setattr(fingerprint, "_version", lambda name: "99.0")
     with pytest.raises(UserError, match=r'versions.numba is "[0-9.]+" there and "99.0" here'):
         evaluate_small(run_copy)
-    identity._code_of.cache_clear()
-    identity._mission_code.cache_clear()
 
 
 @pytest.fixture
@@ -310,7 +306,7 @@ def test_changed_cells_or_starts_of_a_map_are_another_run(harbour: Path, tmp_pat
     harbour.write_text(
         harbour.read_text().replace("1,1,1,1", "1,1,1,0").replace("1,0,0", "1,1,0", 1)
     )
-    with pytest.raises(UserError, match="the map's cells differ"):
+    with pytest.raises(UserError, match="navigable"):
         on_harbour(harbour, tmp_path / "run")
 
 
@@ -390,6 +386,5 @@ def test_progress_counts_from_what_is_done_to_all(
     evaluate(
         setup, ["greedy"], tmp_path / "run", episodes=5, progress=lambda d, t: seen.append((d, t))
     )
-    assert seen[:-1] == [(2, 5), (4, 5), (5, 5)]
-    assert seen[-1] == (5, 5), "the median's replay, played once more; the worst is the first"
+    assert seen == [(2, 5), (4, 5), (5, 5)]
     shutil.rmtree(tmp_path / "run")

@@ -42,8 +42,8 @@ def parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("parts_of_mine:Key", "cannot be made, it raised KeyError: 'a' (parts_of_mine.py, line 8)"),
         ("parts_of_mine:Ends", "cannot be made, it raised SystemExit: 0 (parts_of_mine.py, line"),
-        ("parts_of_mine:EndsInReset", "raised SystemExit: 0 (parts_of_mine.py, line 12), in epis"),
-        ("parts_of_mine:EndsInAct", "raised SystemExit: 0 (parts_of_mine.py, line 14), in episod"),
+        ("parts_of_mine:EndsInReset", "raised SystemExit: 0 (parts_of_mine.py, line 12); mend"),
+        ("parts_of_mine:EndsInAct", "raised SystemExit: 0 (parts_of_mine.py, line 14); mend"),
         ("parts_of_mine:Option", "give more"),
         ("ends_of_mine:X", "module ends_of_mine ends the process; let it only define"),
         ("fails_of_mine:X", "module fails_of_mine cannot be imported (RuntimeError: no luck)"),

@@ -17,9 +17,9 @@ from mjforage.runs import foreign
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.foreign import own_command
-from mjforage.runs.kept import replay_file
 from mjforage.runs.resuming import archive, open_folder
 from mjforage.runs.run_info import again, load_run, read_json
+from mjforage.runs.selection import recording_file
 from mjforage.runs.study import load_study_info
 from mjforage.scenario import sizes
 from mjforage.scenario.scenario_file import load_scenario
@@ -183,7 +183,7 @@ def test_nobody_is_told_to_run_a_command_of_a_file_that_is_not_ours(
 def test_files_that_unpack_to_more_than_the_machine_has_are_refused(
     run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = replay_file(run, "graph", "greedy", 0)
+    path = recording_file(run, "graph", "greedy", 0)
     assert Recording.load(path).policy == "greedy"
     zeros = io.BytesIO()
     np.save(zeros, np.zeros(10**7, np.int8))

@@ -6,23 +6,23 @@ import warnings
 
 import pytest
 
-from mjforage.runs.interrupts import replaced_workers_unsaid
+from mjforage.runs.interrupts import suppress_replaced_workers
 
 KILL_WHILE_WORK_IS_QUEUED = """
 import sys, threading, time
 from contextlib import nullcontext
 from joblib.externals.loky import get_reusable_executor
-from mjforage.runs.interrupts import loose_ends_dropped, start_quiet_tracker
+from mjforage.runs.interrupts import suppress_stopping_errors, start_quiet_tracker
 start_quiet_tracker()
 executor = get_reusable_executor(2)
 running = [executor.submit(time.sleep, 100) for _ in range(20)]
 while sum(future.running() for future in running) < 2 or executor._call_queue.full():
     time.sleep(0.01)
-with loose_ends_dropped() if sys.argv[1] == "held" else nullcontext():
+with suppress_stopping_errors() if sys.argv[1] == "held" else nullcontext():
     executor.shutdown(kill_workers=True)
 def fail():
     raise KeyError(sys.argv[1])
-with loose_ends_dropped():
+with suppress_stopping_errors():
     other = threading.Thread(target=fail)
     other.start()
     other.join()
@@ -53,7 +53,7 @@ def test_only_the_warning_of_a_replaced_worker_is_dropped() -> None:
     ]
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        replaced_workers_unsaid()
+        suppress_replaced_workers()
         for one in words:
             warnings.warn(one, UserWarning, stacklevel=1)
     assert [str(one.message) for one in said] == ["something else"]

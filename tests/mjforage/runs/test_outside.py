@@ -23,7 +23,7 @@ from mjforage.mission.setup import Setup
 from mjforage.mission.task import Observation, Task
 from mjforage.runs import variants
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.replaying import replay_of_run
+from mjforage.runs.replaying import recording_of_run
 from mjforage.runs.storage import RunFolder
 from mjforage.runs.study import Study, run_study
 from mjforage.runs.workers import Workers
@@ -174,9 +174,9 @@ def test_a_registered_name_is_played_again_by_a_process_that_has_not_its_module(
     run = played("run", "own-name", jobs=2)
     forget()
     with pytest.raises(UserError, match="names policy own_named:Named, code that neither ships"):
-        replay_of_run(run, None, None, 1)
+        recording_of_run(run, None, None, 1)
     registry.trust("own_named:Named")
-    replay = replay_of_run(run, None, None, 1)
+    replay = recording_of_run(run, None, None, 1)
     assert replay.policy == "own-name"
 
 
@@ -191,7 +191,7 @@ def test_a_bound_keeps_its_mark_where_its_module_is_gone(folder: Path, forget: F
         "greedy",
     }
     with pytest.raises(UserError, match="no module own_policies is installed or in"):
-        replay_of_run(run, None, "own_policies:Seer", 0)
+        recording_of_run(run, None, "own_policies:Seer", 0)
 
 
 def test_a_study_takes_it(folder: Path) -> None:

@@ -1,6 +1,6 @@
 import json
+import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,20 +10,18 @@ import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
-from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.recording import record
-from mjforage.runs.replaying import replay_of_run
+from mjforage.runs.replaying import recording_of_run
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.scenario.vessel_files import vessel_path
-from mjforage.view.report import write_report
 
 
 def error_of(
     folder: Path, world: str = "graph", policy: str | None = None, episode: int = 0
 ) -> str:
     with pytest.raises(UserError) as caught:
-        replay_of_run(folder, world, policy, episode)
+        recording_of_run(folder, world, policy, episode)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
@@ -37,7 +35,7 @@ def change(path: Path, edit: Callable[[dict[str, Any]], object]) -> None:
 @pytest.mark.parametrize("policy", ["greedy", "levy"])
 @pytest.mark.parametrize("episode", [0, 2])
 def test_an_episode_comes_out_as_logged(finished: Path, policy: str, episode: int) -> None:
-    replay = replay_of_run(finished, "graph", policy, episode)
+    replay = recording_of_run(finished, "graph", policy, episode)
     key = (pl.col("policy") == policy) & (pl.col("episode") == episode)
     items = pl.read_parquet(finished / "items.parquet").filter(key)
     assert (replay.policy, replay.episode, replay.seed) == (policy, episode, 0)
@@ -50,37 +48,12 @@ def test_an_episode_comes_out_as_logged(finished: Path, policy: str, episode: in
     assert np.array_equal(replay.item_present, steps[:, None] < removed[None, :])
 
 
-def test_the_first_policy_is_the_default_and_the_stored_replay_is_equal(finished: Path) -> None:
-    replay = replay_of_run(finished, "graph", None, 0)
-    stored = Recording.load(finished / "replay" / "graph-greedy-0.npz")
-    for name, value in vars(replace(replay, names=())).items():
+def test_a_recorded_episode_is_the_one_that_is_played_again(run_copy: Path) -> None:
+    stored = recording_of_run(run_copy, "graph", None, 0)
+    (run_copy / "replay" / "graph-greedy-0.npz").unlink()
+    played = recording_of_run(run_copy, "graph", None, 0)
+    for name, value in vars(played).items():
         assert np.array_equal(value, getattr(stored, name)), name
-    assert replay.labels == stored.labels
-
-
-def test_vessels_are_called_as_the_folder_names_them(run_copy: Path) -> None:
-    """Earlier versions wrote `scouts-0`."""
-    old = ("scouts-0", "scouts-1", "foragers-0", "foragers-1")
-    assert replay_of_run(run_copy, "graph", None, 0).labels == tuple(
-        name.replace("-", "_") for name in old
-    )
-
-    def rename(info: dict[str, Any]) -> None:
-        for agent, name in zip(info["agents"], old, strict=True):
-            agent["name"] = name
-
-    change(run_copy / "run.json", rename)
-    assert replay_of_run(run_copy, "graph", None, 0).labels == old
-    write_report(run_copy)
-    assert "scouts-1" in (run_copy / "report.html").read_text()
-
-
-@pytest.mark.parametrize("edit", [list.clear, lambda agents: agents[1].update(agents[0])])
-def test_vessels_that_are_not_those_of_the_scenario_are_named(
-    run_copy: Path, edit: Callable[[list[Any]], object]
-) -> None:
-    change(run_copy / "run.json", lambda info: edit(info["agents"]))
-    assert "its fleet is 4 vessels of different names" in error_of(run_copy)
 
 
 @pytest.mark.parametrize(
@@ -107,7 +80,7 @@ def test_a_tampered_log_does_not_come_out(run_copy: Path) -> None:
     east = frame["x_m"].to_list()
     east[-1] += 0.01
     frame.with_columns(x_m=pl.Series(east, dtype=pl.Float32)).write_parquet(path)
-    assert replay_of_run(run_copy, "graph", "levy", 0).episode == 0
+    assert recording_of_run(run_copy, "graph", "levy", 0).episode == 0
     message = error_of(run_copy, policy="levy", episode=2)
     assert "episode 2 of levy does not come out as logged" in message
 
@@ -118,16 +91,16 @@ def test_a_shortened_log_does_not_come_out(run_copy: Path) -> None:
     assert "does not come out as logged" in error_of(run_copy)
 
 
-def test_a_hull_that_was_changed_since_is_named(tmp_path: Path) -> None:
+def test_a_hull_that_was_changed_since_does_not_come_out(tmp_path: Path) -> None:
     boat, run = tmp_path / "boat.toml", tmp_path / "run"
     boat.write_text(vessel_path("scout").read_text())
     overrides = ("horizon=2", f"physics.vessels.scouts='{boat}'")
     setup = Setup.of(load_scenario("comb-port", overrides))
-    evaluate(setup, ["levy"], run, episodes=1, worlds=("physics",))
-    assert replay_of_run(run, "physics", None, 0).policy == "levy"
+    evaluate(setup, ["levy"], run, episodes=1, worlds=("physics",), kept=())
+    assert recording_of_run(run, "physics", None, 0).policy == "levy"
     boat.write_text(boat.read_text().replace("mass_kg = { value = 36.0", "mass_kg = { value = 72"))
     message = error_of(run, "physics")
-    assert "mass_kg is 36.0 there and 72.0 here; give the file its numbers back, or" in message
+    assert "it was made with other versions, code or vessels" in message
     assert "again with --fresh" in message
 
 
@@ -163,6 +136,7 @@ def test_a_spoilt_log_is_named(run_copy: Path, content: bytes | None) -> None:
 def test_a_tampered_run_json_is_named(
     run_copy: Path, edit: Callable[[dict[str, Any]], object], words: str
 ) -> None:
+    shutil.rmtree(run_copy / "replay")
     change(run_copy / "run.json", edit)
     assert words in error_of(run_copy)
 
@@ -176,7 +150,7 @@ def test_the_map_file_is_not_needed_any_more(tmp_path: Path) -> None:
     evaluate(setup, ["random"], tmp_path / "run", episodes=2)
     path.unlink()
     starts.unlink()
-    replay = replay_of_run(tmp_path / "run", "graph", "random", 1)
+    replay = recording_of_run(tmp_path / "run", "graph", "random", 1)
     assert replay.navigable.shape == (3, 4)
     assert {tuple(rc) for rc in replay.agent_rc[0].tolist()} == {(0, 0), (0, 1), (1, 0), (1, 1)}
 

@@ -9,7 +9,7 @@ from typing import Any
 import polars as pl
 import pytest
 
-from mjforage.runs import layout, source_code
+from mjforage.runs import layout
 from mjforage.runs.layout import plan
 from mjforage.runs.tables import TABLES
 from mjforage.runs.workers import Workers
@@ -102,11 +102,3 @@ def test_more_episodes_leave_the_first_ones_as_they_are(
     more = tables(evaluate_small(tmp_path / "more", episodes=5))
     first = {table: frame.filter(pl.col("episode") < 3) for table, frame in more.items()}
     assert_bitwise_equal(tables(finished), first)
-
-
-def test_a_library_whose_distribution_has_no_name_has_no_version(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """As half a package leaves it, installed over another with `pip --target`."""
-    monkeypatch.setattr(source_code, "packages_distributions", lambda: {"no_such_top": [None]})
-    assert source_code._version("no_such_top") == ""

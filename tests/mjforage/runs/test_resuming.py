@@ -16,9 +16,9 @@ import pytest
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.runs import layout
-from mjforage.runs.assignments import Assignment, run_chunk
 from mjforage.runs.costs import load_costs
 from mjforage.runs.evaluate import evaluate
+from mjforage.runs.jobs import Job, run_chunk
 from mjforage.runs.layout import CHUNK, plan
 from mjforage.runs.lock import folder_lock
 from mjforage.runs.storage import Chunk, RunFolder
@@ -34,14 +34,15 @@ TELL_CHUNKS = """
 import json
 from mjforage.runs.storage import RunFolder
 from mjforage.runs import evaluate
-run_chunks, merge = evaluate.run_chunks, RunFolder.merge
-def tell_missing(work, workers):
-    print(json.dumps([chunk.name for _, chunk in work]))
-    return run_chunks(work, workers)
+carried_out, merge = evaluate.carried_out, RunFolder.merge
+def tell_missing(call, work, workers):
+    if call is evaluate.run_chunk:
+        print(json.dumps([chunk.name for _, chunk in work]))
+    return carried_out(call, work, workers)
 def tell_finished(run, chunks):
     print(json.dumps({p.name: p.stat().st_ino for p in (run.path / "chunks").glob("[gp]*-*")}))
     merge(run, chunks)
-evaluate.run_chunks, RunFolder.merge = tell_missing, tell_finished
+evaluate.carried_out, RunFolder.merge = tell_missing, tell_finished
 """
 NO_REPORT = """
 import mjforage.view.report
@@ -249,30 +250,16 @@ def stop_after_one_chunk(folder: Path, episodes: int, world: str = "graph") -> N
         )
 
 
-def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    run = tmp_path / "run"
-    stop_after_one_chunk(run, 2 * CHUNK + 10)
-    asked: list[int] = []
-
-    def note(assignment: Assignment, chunk: Chunk) -> str | None:
-        asked.append(chunk.first)
-        return run_chunk(assignment, chunk)
-
-    monkeypatch.setattr("mjforage.runs.distributing.run_chunk", note)
-    undisturbed(run, 2 * CHUNK + 10)
-    assert asked == [CHUNK, 2 * CHUNK]
-
-
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, int, int]]:
     """Policy, first episode and number of the chunks that are computed, two episodes at most."""
     found: list[tuple[str, int, int]] = []
 
-    def note(assignment: Assignment, chunk: Chunk) -> str | None:
+    def note(job: Job, chunk: Chunk) -> str | None:
         found.append((chunk.policy, chunk.first, chunk.count))
-        return run_chunk(assignment, chunk)
+        return run_chunk(job, chunk)
 
-    monkeypatch.setattr("mjforage.runs.distributing.run_chunk", note)
+    monkeypatch.setattr("mjforage.runs.evaluate.run_chunk", note)
     monkeypatch.setattr(layout, "CHUNK", 2)
     return found
 

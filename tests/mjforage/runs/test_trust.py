@@ -16,11 +16,11 @@ from mjforage.cli import main
 from mjforage.graph_planner.networks.weights import Q_NETWORK
 from mjforage.graph_planner.policies.registry import POLICIES, create_policy, policy_names
 from mjforage.mission.setup import Setup
-from mjforage.runs import assignments
-from mjforage.runs.assignments import Assignment
+from mjforage.runs import jobs
 from mjforage.runs.costs import Invocation
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.replaying import replay_of_run
+from mjforage.runs.jobs import Job
+from mjforage.runs.replaying import recording_of_run
 from mjforage.runs.workers import Workers
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.run_logs import load_logs
@@ -100,7 +100,7 @@ def test_a_run_folder_runs_no_code(folder: Path, changes: dict[str, object], wor
     run = run_of("greedy")
     rewritten(run, **changes)
     with pytest.raises(UserError, match=words) as caught:
-        replay_of_run(run, None, None, 0)
+        recording_of_run(run, None, None, 0)
     assert str(run / "run.json") in str(caught.value) and "\n" not in str(caught.value)
     assert untouched(folder)
 
@@ -108,7 +108,7 @@ def test_a_run_folder_runs_no_code(folder: Path, changes: dict[str, object], wor
 def test_a_place_in_a_file_never_stands_for_a_known_name(folder: Path) -> None:
     run = run_of("greedy")
     rewritten(run, classes={"greedy": "evil:Enc"})
-    assert replay_of_run(run, None, None, 0).policy == "greedy"
+    assert recording_of_run(run, None, None, 0).policy == "greedy"
     assert untouched(folder)
 
 
@@ -179,11 +179,11 @@ def test_reports_run_no_code(folder: Path) -> None:
 def test_workers_take_what_their_parent_was_told(folder: Path) -> None:
     registry.trust("trust_mine:North")
     setup, here = Setup.of(load_scenario("comb-port", ["horizon=4"])), Invocation("", "", 1)
-    info = {"hash": "", "policies": ["greedy"], "worlds": ["graph"]}
-    work = Assignment.of(setup, 0, folder, info, (), here, Workers(2))
+    info = {"hash": "", "seed": 0, "policies": ["greedy"], "worlds": ["graph"]}
+    work = Job.of(setup, folder, info, (), here, Workers(2))
     assert work.trusted == ("trust_mine:North",)
     registry._TRUSTED.clear()
-    assignments._setup(replace(work, parent=1, code=()))
+    jobs._setup(replace(work, parent=1, code=()))
     assert registry.trusted() == ("trust_mine:North",)
 
 
@@ -210,13 +210,11 @@ def test_what_is_no_reference_cannot_be_trusted() -> None:
 
 
 def test_workers_of_the_command_import_nothing_of_the_present_folder(folder: Path) -> None:
-    """Neither do processes that check determinism."""
     for name in ("joblib", "multiprocessing", "numpy"):
         (folder / f"{name}.py").write_text(EVIL)
     command = Path(sys.executable).with_name("mjforage")
     run = ("evaluate", "comb-port", "--policy", "greedy", "--policy", "levy", "--jobs", "2")
     few = ("--episodes", "2", "--set", "horizon=2", "--replay", "none", "--out", "run")
-    for words in ((*run, *few), ("validate", "--check", "determinism")):
-        done = subprocess.run([command, *words], capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        assert not (folder / "imported").exists()
+    done = subprocess.run([command, *run, *few], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert not (folder / "imported").exists()

@@ -119,16 +119,16 @@ class Superstitious(Good):
 
 
 BAD: list[tuple[type[Policy], str, str]] = [
-    (Flat, "shape", r"gave float64 \(3, 9\); give floating-point numbers of shape \(row, agent, 9"),
+    (Flat, "values", r"policy Flat: .*\(3, 9\)"),
     (
         Breaking,
-        "shape",
+        "values",
         r"raised IndexError: no such lane \(test_policy_checks.py, line \d+\); mend it",
     ),
     (Undefined, "values", "gave inf for move 3 of agent 0 at step 1; give finite numbers, or -inf"),
-    (Writing, "shape", r"raised ValueError: output array is read-only .*; copy what you"),
-    (Forcing, "shape", r"raised ValueError: cannot set WRITEABLE flag to True .*; mend it"),
-    (Reaching, "shape", r"raised ValueError: cannot set WRITEABLE flag to True .*; mend it"),
+    (Writing, "values", r"raised ValueError: output array is read-only .*; copy what you"),
+    (Forcing, "values", r"raised ValueError: cannot set WRITEABLE flag to True .*; mend it"),
+    (Reaching, "values", r"raised ValueError: cannot set WRITEABLE flag to True .*; mend it"),
     (Chancy, "repeatable", "at step 1 for the same keys; draw random numbers from the keys"),
     (Remembering, "reset", "at step 1 fresh and after other episodes; let reset forget"),
     (Peeking, "rows", "at step 1 in a batch and in another; read no row but its own"),

@@ -12,7 +12,7 @@ from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.held import Held
+from mjforage.runs.knowledge_record import KnowledgeRecord
 from mjforage.view.render import palette, render_recording
 from mjforage.view.render.chart import Chart
 from mjforage.view.render.layout import Box
@@ -50,7 +50,7 @@ def apart(build: Build) -> Recording:
     pairs = np.zeros((STEPS + 1, 2, 2), np.int16)
     linked, pairs[1, 0, 1] = np.zeros(pairs.shape, np.bool_), 3
     linked[1, 0, 1] = linked[1, 1, 0] = True
-    held = Held(
+    held = KnowledgeRecord(
         forgetting=0.1,
         changes=np.array([1, 1, 1, 2, 1], np.int32),
         agent=in_turn([1] * 6),
@@ -100,14 +100,6 @@ def test_the_map_of_a_vessel_takes_the_place_of_the_fleets(apart: Recording) -> 
     assert seen_by(apart, "all") is apart
     blind = seen_by(apart, "scouts_0")
     assert not blind.belief.any() and (blind.idleness == 1.0).all()
-
-
-def test_vessels_go_by_the_names_of_their_folder(apart: Recording) -> None:
-    """Earlier versions wrote `scouts-0`."""
-    old = replace(apart, names=("scouts-0", "foragers-0"))
-    assert shown_name(seen_by(old, "foragers-0")) == "foragers-0"
-    with pytest.raises(UserError, match="scouts_0: no such vessel; choose all, scouts-0, foragers"):
-        seen_by(old, "scouts_0")
 
 
 def test_land_is_not_idle(apart: Recording) -> None:

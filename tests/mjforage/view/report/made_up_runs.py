@@ -10,7 +10,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import write_bytes
-from mjforage.runs.kept import replay_file
+from mjforage.runs.selection import recording_file
 from tests.mjforage.view.report.made_up_episodes import FLOATS, Plan, made_up_episode, port
 
 
@@ -106,7 +106,9 @@ def build(folder: Path, plan: Plan) -> Path:
                 for name, rows in made.tables.items():
                     tables[name] += rows
                 if episode in plan.kept and policy in (plan.replays or plan.policies):
-                    write_bytes(replay_file(folder, world, policy, episode), made.replay.content())
+                    write_bytes(
+                        recording_file(folder, world, policy, episode), made.replay.content()
+                    )
     frames = {
         name: pl.DataFrame(
             rows, infer_schema_length=None, schema_overrides=NULLABLE if name == "items" else None

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.held import Held
+from mjforage.runs.knowledge_record import KnowledgeRecord
 from mjforage.view.report.web_replay import WebReplay, web_replay
 
 MakeRun = Callable[..., Path]
@@ -113,7 +113,7 @@ def over_link(replay: Recording, seed: int = 4) -> Recording:
         rng.integers(0, np.arange(steps)[:, None, None] + 1, (linked.shape))
     )
     heard[:, range(agents), range(agents)] = np.arange(steps)[:, None]
-    held = Held(
+    held = KnowledgeRecord(
         forgetting=0.05,
         changes=changes,
         agent=np.tile(np.repeat(np.arange(agents), 6), steps).astype(np.int16),

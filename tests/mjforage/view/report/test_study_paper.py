@@ -9,7 +9,7 @@ import pytest
 
 from mjforage.mission.setup import Setup
 from mjforage.runs import communication, variants
-from mjforage.runs.kept import FIRST, KEPT, chosen, ranked, replay_files
+from mjforage.runs.selection import FIRST, USUAL, ranks_of, recording_files, selected
 from mjforage.runs.study import Study, Variant, run_study, variant_folder
 from mjforage.runs.variants import corrupted_name
 from mjforage.scenario.scenario_file import load_scenario
@@ -283,9 +283,9 @@ def test_the_scenario_as_it_is_keeps_its_first_median_and_worst_episodes(study: 
     for variant in logs.runs:
         folder = variant_folder(logs.folder, variant)
         rows = logs.runs[variant].episodes.sort("episode")
-        ranks = ranked(rows["pta_c"].to_numpy(), rows["length"].to_numpy())
-        wanted = chosen(KEPT if variant == variants.COMPLETE else FIRST, ranks)
-        assert tuple(replay_files(folder, "graph", "greedy")) == wanted, variant
+        ranks = ranks_of(rows["pta_c"].to_numpy(), rows["length"].to_numpy())
+        wanted = selected(USUAL if variant == variants.COMPLETE else FIRST, ranks)
+        assert tuple(recording_files(folder, "graph", "greedy")) == wanted, variant
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.kept import check_kept, parse_kept, ranked, replay_files
+from mjforage.runs.selection import check_selection, parse_selection, ranks_of, recording_files
 from mjforage.runs.workers import Workers
 from mjforage.scenario.scenario_file import load_scenario
 
@@ -27,7 +27,7 @@ from mjforage.scenario.scenario_file import load_scenario
     ],
 )
 def test_a_list_of_numbers_and_ranks(text: str, kept: tuple[str | int, ...]) -> None:
-    assert parse_kept(text) == kept
+    assert parse_selection(text) == kept
 
 
 @pytest.mark.parametrize(
@@ -44,23 +44,23 @@ def test_a_list_of_numbers_and_ranks(text: str, kept: tuple[str | int, ...]) -> 
 )
 def test_what_names_no_episode_is_named(text: str, word: str) -> None:
     with pytest.raises(UserError, match=f"--replay {text}: '{word}' names no episode; give epi"):
-        parse_kept(text)
+        parse_selection(text)
 
 
 def test_an_episode_that_the_run_has_not_is_refused() -> None:
-    assert check_kept((2, 0, 2), 3) == (2, 0)
+    assert check_selection((2, 0, 2), 3) == (2, 0)
     with pytest.raises(UserError, match="--replay 3: the run has episodes 0 to 2"):
-        check_kept((0, 3), 3)
+        check_selection((0, 3), 3)
 
 
 def test_ranks_go_by_the_share_collected_then_by_decisions() -> None:
     pta_c = np.array([100.0, 40.0, 100.0, 100.0, 90.0])
     length = np.array([80.0, 150.0, 90.0, 70.0, 150.0])
-    found = ranked(pta_c, length)
+    found = ranks_of(pta_c, length)
     assert found == {"first": 0, "worst": 1, "median": 2, "best": 3}
-    even = ranked(pta_c[:4], length[:4])
+    even = ranks_of(pta_c[:4], length[:4])
     assert even["median"] == 2, "the worse of the two in the middle"
-    assert set(ranked(pta_c[:1], length[:1]).values()) == {0}
+    assert set(ranks_of(pta_c[:1], length[:1]).values()) == {0}
 
 
 def run(folder: Path, **settings: Any) -> Path:
@@ -70,7 +70,7 @@ def run(folder: Path, **settings: Any) -> Path:
 
 
 def kept_in(folder: Path, policy: str) -> list[int]:
-    return list(replay_files(folder, "graph", policy))
+    return list(recording_files(folder, "graph", policy))
 
 
 def by_rank(folder: Path, policy: str) -> list[int]:
@@ -95,7 +95,7 @@ def test_the_first_the_median_and_the_worst_of_each_policy_are_kept(usual: Path)
 def test_what_is_kept_is_what_was_logged(usual: Path) -> None:
     logged = pl.read_parquet(usual / "agents.parquet")
     for policy in ("greedy", "levy"):
-        for episode, path in replay_files(usual, "graph", policy).items():
+        for episode, path in recording_files(usual, "graph", policy).items():
             rows = logged.filter(policy=policy, episode=episode).sort("step", "agent")
             replay = Recording.load(path)
             assert (replay.policy, replay.episode) == (policy, episode)

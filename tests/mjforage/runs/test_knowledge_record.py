@@ -13,7 +13,7 @@ from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import NEVER
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.held import UNKNOWN, Held, HeldRecorder
+from mjforage.runs.knowledge_record import UNKNOWN, KnowledgeRecord, KnowledgeRecorder
 from mjforage.runs.recording import record
 from mjforage.scenario.scenario_file import load_scenario
 
@@ -43,7 +43,7 @@ def replay() -> Recording:
     return record(setup_of(*LINK), "graph", "greedy", 3, 0)
 
 
-def held_of(replay: Recording) -> Held:
+def held_of(replay: Recording) -> KnowledgeRecord:
     assert replay.held is not None
     return replay.held
 
@@ -111,7 +111,7 @@ def test_contacts_and_losses_are_those_of_the_link(replay: Recording) -> None:
 
 def test_idleness_grows_from_the_newest_look() -> None:
     """Of a look of step 1 it is 0 then and .25 a step later; what was never seen is idle."""
-    held = Held(0.25, *(np.zeros((0,), np.int32),) * 9)  # type: ignore[arg-type]
+    held = KnowledgeRecord(0.25, *(np.zeros((0,), np.int32),) * 9)  # type: ignore[arg-type]
     seen = np.array([[NEVER, 0], [1, 0], [1, 0], [1, 0]], np.int16)
     idle = held.idleness(seen)
     np.testing.assert_array_equal(idle, [[1.0, 0.0], [0.0, 0.25], [0.25, 0.5], [0.5, 0.75]])
@@ -161,7 +161,7 @@ def test_spoilt_files_are_named(
 
 
 def test_a_recorder_takes_down_each_step_once() -> None:
-    mission, recorder = Mission(setup_of(*LINK)), HeldRecorder()
+    mission, recorder = Mission(setup_of(*LINK)), KnowledgeRecorder()
     mission.reset(3, np.arange(1))
     recorder.see(mission)
     held = recorder.held(mission)

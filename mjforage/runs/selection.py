@@ -1,4 +1,4 @@
-"""Which episodes of every world and policy are kept step by step, for the replay on the page."""
+"""The selection of episodes that are recorded, of every world and policy."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -11,14 +11,14 @@ from mjforage.base.references import file_label
 
 RANKS = ("first", "median", "worst", "best")
 """Episodes that are known by what came out, each of one world and policy."""
-KEPT: tuple[str | int, ...] = ("first", "median", "worst")
-"""What evaluate and compare keep unless they are told otherwise."""
+USUAL: tuple[str | int, ...] = ("first", "median", "worst")
+"""What evaluate and compare record by default."""
 FIRST: tuple[str | int, ...] = ("first",)
-"""What each run of a study keeps, but that of its scenario as it is, which keeps `KEPT`."""
+"""What the runs of a study record, but the first, which records `USUAL`."""
 _HOW = f"give episodes' numbers, {', '.join(RANKS)}, or none alone, as in --replay 0,3,worst"
 
 
-def parse_kept(text: str) -> tuple[str | int, ...]:
+def parse_selection(text: str) -> tuple[str | int, ...]:
     """Read a list such as `0,3,worst`; `none` is an empty one.
 
     Raises
@@ -35,7 +35,7 @@ def parse_kept(text: str) -> tuple[str | int, ...]:
     return tuple(dict.fromkeys(word if word in RANKS else int(word) for word in words))
 
 
-def check_kept(kept: Iterable[str | int], episodes: int) -> tuple[str | int, ...]:
+def check_selection(selection: Iterable[str | int], episodes: int) -> tuple[str | int, ...]:
     """The same without what stands twice, once the run is known to have these episodes.
 
     Raises
@@ -43,7 +43,7 @@ def check_kept(kept: Iterable[str | int], episodes: int) -> tuple[str | int, ...
     UserError
         If it has not.
     """
-    found = tuple(dict.fromkeys(kept))
+    found = tuple(dict.fromkeys(selection))
     for one in found:
         if isinstance(one, int) and not 0 <= one < episodes:
             raise UserError(
@@ -55,7 +55,7 @@ def check_kept(kept: Iterable[str | int], episodes: int) -> tuple[str | int, ...
     return found
 
 
-def ranked(pta_c: NDArray[np.float64], length: NDArray[np.float64]) -> dict[str, int]:
+def ranks_of(pta_c: NDArray[np.float64], length: NDArray[np.float64]) -> dict[str, int]:
     """Rank -> episode of one world and policy: least collected is worst.
 
     Of episodes that collected equally, more decisions are worse, then the lower number. Of an even
@@ -75,24 +75,18 @@ def ranked(pta_c: NDArray[np.float64], length: NDArray[np.float64]) -> dict[str,
     }
 
 
-def sure(kept: Iterable[str | int]) -> tuple[int, ...]:
-    """Episodes that are known before the run: those with numbers, and the first."""
-    numbers = [0 if one == "first" else one for one in kept]
-    return tuple(sorted({one for one in numbers if isinstance(one, int)}))
+def selected(selection: Sequence[str | int], ranks: dict[str, int]) -> tuple[int, ...]:
+    """Numbers of the episodes, once it is known which episode has which rank."""
+    return tuple(sorted({ranks[one] if isinstance(one, str) else one for one in selection}))
 
 
-def chosen(kept: Sequence[str | int], ranks: dict[str, int]) -> tuple[int, ...]:
-    """All of them, once it is known which episode has which rank."""
-    return tuple(sorted({ranks[one] if isinstance(one, str) else one for one in kept}))
-
-
-def replay_file(folder: Path, world: str, policy: str, episode: int) -> Path:
-    """Where a run folder keeps an episode."""
+def recording_file(folder: Path, world: str, policy: str, episode: int) -> Path:
+    """File of a recorded episode."""
     return folder / "replay" / f"{world}-{file_label(policy)}-{episode}.npz"
 
 
-def replay_files(folder: Path, world: str, policy: str) -> dict[int, Path]:
-    """Episode -> file of those that a run folder keeps of one world and policy, in their order."""
+def recording_files(folder: Path, world: str, policy: str) -> dict[int, Path]:
+    """Episode -> file of the recorded episodes of one world and policy, in their order."""
     prefix = f"{world}-{file_label(policy)}-"
     found = {
         path.stem.removeprefix(prefix): path

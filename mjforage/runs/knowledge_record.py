@@ -31,7 +31,7 @@ AXES = {
 
 
 @dataclass(frozen=True)
-class Held:
+class KnowledgeRecord:
     """Maps, contacts and losses of one episode of T' steps; step 0 is the state before any move."""
 
     forgetting: float  # growth of idleness per step
@@ -64,7 +64,7 @@ class Held:
             seen[step, self.cell[own]] = self.seen[own]
         return belief, seen
 
-    def until(self, steps: int) -> "Held":
+    def until(self, steps: int) -> "KnowledgeRecord":
         """The same as if the episode had ended after so many steps."""
         entries = int(self.changes[: steps + 1].sum())
         cut: dict[str, Any] = {
@@ -87,7 +87,7 @@ class Held:
         return {_PREFIX + name: np.asarray(getattr(self, name)) for name in names}
 
     @classmethod
-    def of(cls, file: Mapping[str, NDArray[Any]], cells: int) -> "Held | None":
+    def of(cls, file: Mapping[str, NDArray[Any]], cells: int) -> "KnowledgeRecord | None":
         """Of an open file, whose axes fit; None if it has none.
 
         Raises
@@ -117,7 +117,7 @@ class _Changes(NamedTuple):
     items: NDArray[np.int16]
 
 
-class HeldRecorder(Observer):
+class KnowledgeRecorder(Observer):
     """Takes down the first episode of a batch over a link."""
 
     def __init__(self) -> None:
@@ -143,14 +143,14 @@ class HeldRecorder(Observer):
         self._linked.append(exchange.link_log.contact[0].copy())
         self._lost.append(exchange.link_log.lost_now[0].astype(np.int16))
 
-    def held(self, mission: Mission) -> Held:
+    def held(self, mission: Mission) -> KnowledgeRecord:
         """All that was taken down."""
         graph, all_ = (
             mission.setup.graph,
             _Changes(*map(np.concatenate, zip(*self._changes, strict=True))),
         )
         changes = np.array([len(step.agent) for step in self._changes], np.int32)
-        return Held(
+        return KnowledgeRecord(
             forgetting=mission.task.forgetting,
             changes=changes,
             agent=all_.agent.astype(np.int16),
