@@ -112,7 +112,6 @@ def test_a_finished_study_goes_on_to_more_episodes(folder: Path, tmp_path: Path)
         (("--set", "items.mean=50.0"), "scenario.items.mean is 75.0 there and 50.0 here"),
         (("--policy", "random"), 'variants.complete.policies is ["greedy", "levy"] there and ["'),
         (("--world", "hulls"), 'worlds is ["graph"] there and ["hulls"] here'),
-        (("--step", 0.05), "options.step is 0.25 there and 0.05 here"),
     ],
 )
 def test_other_settings_are_named(
