@@ -1,7 +1,7 @@
 """One item, one vessel, one wind and one current in both worlds, in metres and compass words."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -9,17 +9,31 @@ from numpy.typing import NDArray
 
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import COMPASS, STAY
-from mjforage.mission.dynamics import Dynamics, Transition
+from mjforage.mission.dynamics import ARRIVED, Dynamics, Transition
+from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.moves import Moves
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.physics.worlds import WORLDS
+from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.scenario.fleet import Role
 from mjforage.scenario.scenario import MapChoice, Weather
-from tests.mjforage.mission.by_hand import CALM, EAST, NORTH, PITCH_M, SOUTH, WEST, by_hand
+from tests.mjforage.mission.by_hand import (
+    CALM,
+    EAST,
+    NORTH,
+    PERIOD_S,
+    PITCH_M,
+    SOUTH,
+    WEST,
+    by_hand,
+)
 
 SEA = np.ones((9, 15), np.bool_)
 ITEM = np.array([3.0, 9.25])  # row, column: 46.25 m to the east, 25 m to the north
 START = (5, 4)  # of the vessel: 20 m to the east, 15 m to the north
+TABLES: dict[str, Any] = {
+    "map": MapChoice("sea", pitch_m=PITCH_M, starts=(START,)),
+    "team": {"team": Role(count=1, moves=2, radius=2.5, collects=False)},
+}
 FROM = {"north": 0.0, "east": 90.0, "south": 180.0, "west": 270.0}
 PUSHED = {"north": SOUTH, "east": WEST, "south": NORTH, "west": EAST}
 TOWARD = {"east": 0.0, "north": 90.0, "west": 180.0, "south": 270.0}
@@ -60,9 +74,8 @@ def played(
     collects: bool = False,
     item: NDArray[np.float64] = ITEM,
 ) -> Played:
-    where = MapChoice("sea", pitch_m=PITCH_M, starts=(START,))
-    team = {"team": Role(count=1, moves=2, radius=2.5, collects=collects)}
-    setup = by_hand(SEA, map=where, team=team, weather=weather, period_s=period_s)
+    team = {"team": replace(TABLES["team"]["team"], collects=collects)}
+    setup = by_hand(SEA, map=TABLES["map"], team=team, weather=weather, period_s=period_s)
     kind, trajectory, keys = WORLDS[world], TrajectoryRecorder(), episode_keys(0, np.arange(1))
     dynamics = kind.dynamics(setup.graph, setup.fleet, kind.adapt(setup.scenario), trajectory)
     initial = setup.create_initial_state(keys)
@@ -183,3 +196,39 @@ def test_a_vessel_takes_the_item_of_its_node_if_it_collects(world: str, collects
     assert found.state.collected_by.tolist() == [[0 if collects else -1]]
     assert (found.state.item_node[0, 0] == -1) == collects
     assert found.trajectory.present[:, 0].tolist()[-1] != collects
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_a_mission_tells_how_wind_and_current_carry_items(world: str) -> None:
+    """Northwards at 0.03 of 4 m/s, and with hulls by 0.97 of 0.1 m/s to the east as well."""
+    weather = replace(CALM, wind_speed_mps=4.0, wind_from_deg=180.0)
+    weather = replace(weather, current_speed_mps=0.1, current_toward_deg=0.0)
+    setup = by_hand(SEA, weather=weather, **TABLES)
+    mission = create_mission(setup, world)
+    mission.reset(0, np.arange(1))
+    flow = 0.97 * 0.1 * PERIOD_S / PITCH_M if world == "physics" else 0.0
+    node = setup.graph.node_of_cell[4, 9]
+    assert mission.node_drift_rc[0, node] == pytest.approx([-0.192, flow], abs=1e-3)
+    assert mission.truth.drift_rc[0] == pytest.approx([-0.192, flow], abs=0.06)
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_a_move_is_logged_as_its_compass_word_says(world: str) -> None:
+    setup = by_hand(SEA, period_s=20.0, **TABLES)
+    mission = create_mission(setup, world)
+    mission.reset(0, np.arange(8))
+    log = EpisodeLog(mission)
+    log.see(mission)
+    mission.advance(np.eye(9)[:8, None])
+    log.see(mission)
+    (x, y), degrees = np.array([HEADS[w][0] for w in COMPASS[:8]]).T, [HEADS[w][1] for w in HEADS]
+    near = 0.0 if world == "graph" else 0.3
+    ends = np.stack((START[0] - 2 * y, START[1] + 2 * x), axis=1)
+    assert log.agent_rc[:, 1, 0] == pytest.approx(ends, abs=near)
+    assert (mission.state.outcome == ARRIVED).all()
+    assert log.direction[:, 1, 0].tolist() == list(range(8))
+    targets = [(setup.graph.rows[n], setup.graph.cols[n]) for n in log.target[:, 1, 0]]
+    assert targets == [tuple(end) for end in ends.tolist()]
+    np.testing.assert_array_equal(log.agent_node[:, 1], log.target[:, 1])
+    if world == "graph":
+        assert np.degrees(log.yaw[:, 1, 0]) % 360.0 == pytest.approx(np.array(degrees) % 360.0)
