@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 from mjforage.base.errors import UserError
 from mjforage.scenario.schema import nodes
-from mjforage.scenario.schema.adapters import Tree, json_schema, validator
+from mjforage.scenario.schema.adapters import json_schema, validator
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -16,6 +16,13 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 
 _LONGEST = 60  # characters of a value in a message
+_TABLES = {
+    **dict.fromkeys(("dataclass_type", "dict_type"), "a table"),
+    "tuple_type": "a list",
+    "bool_type": "true or false",
+    "string_type": "text",
+}
+"""Types of TOML and JSON, where pydantic has Python's."""
 _UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden", "invalid_key")
 
 
@@ -102,18 +109,19 @@ def _first(schema: Any, faults: "list[ErrorDetails]", remedy: str) -> str:
     root = json_schema(schema)
     missing = [f["loc"][1:] for f in faults if f["type"] == "missing" and _is_key(f["loc"])]
     if missing:
-        return _missing(root, missing, remedy)
+        names = [nodes.find(root, location)[1] for location in missing]
+        add = "" if remedy else "; add them" if names[1:] else "; add it"
+        return f"missing {', '.join(names)}{add}"
     fault = faults[0]
-    location = fault["loc"][1:-1] if fault["type"] == "missing" else fault["loc"][1:]
-    node, key = nodes.find(root, location)
-    if fault["type"].startswith("union_tag"):
-        value = fault["input"].get(fault["ctx"]["discriminator"].strip("'"), "")
-        return f"{key}.kind = {shown(value)}; choose {', '.join(nodes.kinds(node))}"
+    node, key = nodes.find(root, fault["loc"][1:])
     if fault["type"] == "words":  # of a validator of ours
         return f"{key}{fault['msg']}"
-    if not key:
-        return f"expected {nodes.type_words(node)}"
-    return f"{key} = {shown(fault['input'])}{_fault(node, key, fault['input'])}"
+    if fault["type"].startswith("union_tag"):
+        kind = fault["input"].get("kind", "")
+        return f"{key}.kind = {shown(kind)}; choose {', '.join(nodes.kinds(node))}"
+    should = _TABLES.get(fault["type"]) or fault["msg"].partition("Input should be ")[2]
+    value = f"{key} = {shown(fault['input'])}" if key else "what it holds"
+    return f"{value} should be {should}" if should else f"{value}: {fault['msg']}"
 
 
 def _is_key(location: tuple[str | int, ...]) -> bool:
@@ -127,44 +135,4 @@ def _unknown(schema: Any, location: tuple[str | int, ...]) -> str:
     known, prefix = list(node.get("properties", ())), f"{key}." if key else ""
     close = difflib.get_close_matches(str(last), known, n=1, cutoff=0.6)
     hint = f"did you mean {prefix}{close[0]}?" if close else f"known: {', '.join(known)}"
-    return f"unknown key {prefix}{last}; {_of_other_kind(root, above, str(last)) or hint}"
-
-
-def _of_other_kind(root: Tree, above: list[str | int], last: str) -> str:
-    """Which kind of a table that has several has a key that the kind at `above` has not."""
-    table, _ = nodes.find(root, above[:-1])
-    for kind, entry in nodes.kinds(table).items():
-        if last in nodes.resolved(entry, root)["properties"]:
-            return f"it is one of kind = {shown(kind)}, and the kind is {shown(above[-1])}"
-    return ""
-
-
-def _missing(root: Tree, locations: list[tuple[str | int, ...]], remedy: str) -> str:
-    found = [nodes.find(root, location) for location in locations]
-    names = ", ".join(key for _, key in found)
-    if remedy:
-        return f"missing {names}"
-    if len(found) > 1:
-        return f"missing {names}; add them"
-    node, key = found[0]
-    unit = nodes.number(node).get("unit")
-    bracket = f" [{unit}]" if unit else ""
-    return f"missing {names}; add it, {nodes.type_words(node, key)}{bracket}"
-
-
-def _fault(node: Tree, key: str, value: object) -> str:
-    """What is wrong with a value, by what its node asks for."""
-    kind, words = node.get("type"), nodes.choices(node)
-    if words and isinstance(value, str):
-        return f"; choose {', '.join(map(str, words))}"
-    about = nodes.number(node)
-    numbers = (int,) if about.get("type") == "integer" else (int, float)
-    is_number = about.get("type") in ("integer", "number")
-    if is_number and isinstance(value, numbers) and not isinstance(value, bool):
-        return f" is out of range; give {nodes.range_words(node) or 'a finite number'}"
-    if is_number:
-        return f", expected {nodes.type_words(about)}"
-    if kind == "array" and isinstance(value, list | tuple):
-        some = len(node["prefixItems"]) if "prefixItems" in node else nodes.range_words(node)
-        return f", expected {some} values"
-    return f", expected {nodes.type_words(node, key)}"
+    return f"unknown key {prefix}{last}; {hint}"

@@ -59,7 +59,7 @@ pytestmark = pytest.mark.usefixtures("here")
         ([*EVALUATE, "--seed", "-1"], "seed -1"),
         ([*EVALUATE, "--map", "comb_prot"], "did you mean comb_port?"),
         ([*EVALUATE, "--map", "open_bay"], "is on land in map open_bay; give --set map.starts="),
-        ([*EVALUATE, "--set", "team.scouts.count=-1"], "team.scouts.count = -1 is out of range"),
+        ([*EVALUATE, "--set", "team.scouts.count=-1"], "team.scouts.count = -1 should be "),
         (
             [*EVALUATE, "--set", "team.scout.count=3"],
             "--set team.scout.count=3: did you mean team.scouts.count? As it is, scenario "

@@ -201,11 +201,11 @@ def test_late_looks_weigh_as_those_of_their_time() -> None:
     [
         ("sensors.detection_table=[[0,1],[0,0.5]]", r"detection_table: \[0, 0.5\] after \[0, 1\]"),
         ("sensors.detection_table=[[0,0.5],[2,0.9]]", "chances that do not grow"),
-        ("sensors.half_range_node=-1", "sensors.half_range_node = -1 is out of range"),
+        ("sensors.half_range_node=-1", "sensors.half_range_node = -1 should be "),
         ("sensors.map=best", "sensors.map"),
         ("sensors.map=filtered", "scans miss and invent nothing"),
         ("sensors.persistence=0.3", "with the same chance of 1 near by"),
-        ("sensors.false_hold=0", "sensors.false_hold = 0 is out of range"),
+        ("sensors.false_hold=0", "sensors.false_hold = 0 should be "),
     ],
 )
 def test_what_cannot_be_sensed_so_is_refused(override: str, words: str) -> None:

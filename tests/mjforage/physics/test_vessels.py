@@ -100,10 +100,10 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (changed("mass_kg", "-50.0"), "mass_kg = -50.0 is out of range; give above 0 to"),
-        (changed("mass_kg", "nan"), "mass_kg = nan is out of range"),
-        (changed("linear_sway", "-1"), "linear_sway = -1 is out of range; give 0 to"),
-        (changed("max_ahead_newton", "0.0"), "thruster.max_ahead_newton = 0.0 is out of range"),
+        (changed("mass_kg", "-50.0"), "mass_kg = -50.0 should be "),
+        (changed("mass_kg", "nan"), "mass_kg = nan should be "),
+        (changed("linear_sway", "-1"), "linear_sway = -1 should be "),
+        (changed("max_ahead_newton", "0.0"), "thruster.max_ahead_newton = 0.0 should be "),
         (changed("inertia_z_kgm2", "0.5"), "about midships; raise inertia_z_kgm2 or bring"),
         (changed("cog_x_m", "0.6"), "is indefinite inertia"),
         (
@@ -116,13 +116,12 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
         (GOOD.replace(', source = "test" }\nbeam', " }\nbeam"), "length_m has value, unit; give"),
         (GOOD.replace('"test" }\nbeam', '" " }\nbeam'), "length_m has no source; say where 2"),
         (GOOD.replace("length_m", "lenght_m"), "unknown key lenght_m; did you mean length_m?"),
-        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it, a number with unit"),
+        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it"),
         (GOOD.replace('"force"', '"sail"'), "thruster.kind = 'sail'; choose propeller, force"),
         (GOOD.replace('kind = "force"\n', ""), "thruster.kind = ''; choose propeller, force"),
         (
             GOOD.replace('"force"', '"propeller"'),
-            "unknown key thruster.max_ahead_newton; it is one of kind = 'force', and the kind is "
-            "'propeller'",
+            "unknown key thruster.max_ahead_newton; did you mean thruster.n_max_ahead?",
         ),
         (GOOD + "[control]\nbrake = 1\n", "unknown key control.brake; did you mean control.brake_"),
         ("mass_kg = 3\n" + GOOD.replace("mass_kg", "# mass_kg", 1), "mass_kg = 3, expected a tab"),

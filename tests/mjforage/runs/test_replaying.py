@@ -126,10 +126,13 @@ def test_a_spoilt_log_is_named(run_copy: Path, content: bytes | None) -> None:
         ),
         (lambda run: run["scenario"].update(horizn=3), "unknown key horizn; did you mean horizon?"),
         (lambda run: run["scenario"]["map"].update(starts=[[0, 0]]), "start (0, 0) of"),
-        (lambda run: run.update(timings=3), "timings = 3, expected a table; run the command"),
-        (lambda run: run.update(timings={"wall_s": "x"}), "timings.wall_s = 'x', expected a num"),
-        (lambda run: run.update(policies=[]), "policies = [], expected 1 or more values"),
-        (lambda run: run["scenario"].update(horizon=0), "scenario: horizon = 0 is out of range"),
+        (lambda run: run.update(timings=3), "timings = 3 should be a table; run the command"),
+        (
+            lambda run: run.update(timings={"wall_s": "x"}),
+            "timings.wall_s = 'x' should be a",
+        ),
+        (lambda run: run.update(policies=[]), "policies = []: Tuple should have at lea"),
+        (lambda run: run["scenario"].update(horizon=0), "scenario: horizon = 0 should be "),
         (lambda run: run["map"].update(rows=3), "map.navigable is not 3 strings"),
     ],
 )
