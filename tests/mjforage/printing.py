@@ -22,7 +22,7 @@ BLANK = {
 }
 
 
-def _blank(figure: object, paper: object, letters: object, **options: Any) -> bytes:
+def _blank(figure: object, letters: object, **options: Any) -> bytes:
     return BLANK[options["format"]]
 
 
