@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
-from mjforage.base.rows import scatter_rows
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.capture_chances import Chances
 from mjforage.mission.dynamics import Transition
@@ -35,15 +34,6 @@ class Stays(NamedTuple):
         """No tries yet."""
         last = np.concatenate((state.agent_rc, state.agent_yaw[..., None]), axis=-1)
         return cls(state.agent_node.copy(), last, last.copy(), np.zeros(last.shape[:2], np.int64))
-
-    def with_rows(self, rows: NDArray[np.int64], other: Self) -> Self:
-        """Those of a batch with episodes (row,) replaced by those of another one."""
-        return type(self)(
-            *(
-                scatter_rows(getattr(self, name), rows, getattr(other, name))
-                for name in self._fields
-            )
-        )
 
 
 @kernel

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, inlined, kernel
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key
-from mjforage.base.rows import scatter_rows
+from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, Water
 from mjforage.graph_planner.graph.walls import WALLS, into_water, put_back
@@ -308,5 +308,5 @@ class ItemRule:
         mixed: dict[str, Any] = {
             name: scatter_rows(getattr(mine, name), rows, getattr(theirs, name)) for name in names
         }
-        stays = self._stays.with_rows(rows, other._stays)
+        stays = scatter_all(self._stays, rows, other._stays)
         self._begin(mine._replace(**mixed), stays, state)

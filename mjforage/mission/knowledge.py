@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.base.rows import scatter_rows
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import NEVER
@@ -79,12 +78,6 @@ class Knowledge(NamedTuple):
             taken=np.repeat(scans.taken, owners, axis=0),
             pickup=np.repeat(scans.pickup, owners, axis=0),
             agent_yaw=np.repeat(scans.agent_yaw, owners, axis=0),
-        )
-
-    def with_rows(self, rows: NDArray[np.int64], other: "Knowledge") -> "Knowledge":
-        """A copy in which the given rows (row,) are those of another knowledge, in its order."""
-        return Knowledge(
-            *(scatter_rows(getattr(self, n), rows, getattr(other, n)) for n in self._fields)
         )
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array, episode_keys
-from mjforage.base.rows import scatter_rows
+from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.base.views import CachedViews, ReadOnlyViews, read_only, view_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.dynamics import Dynamics, Transition, goes_on, mean_drift, taken_by
@@ -125,7 +125,7 @@ class Mission(ReadOnlyViews):
         sensors = self.setup.scenario.sensors
         self._shown = no_shown(self.task, keys.size, sensors.perfect)
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
-        self._show("knowledge", Knowledge.of_starts(self._looks(), len(self.setup.graph)))
+        self._show("knowledge", Knowledge.of_starts(self._scans(), len(self.setup.graph)))
         self._renew_sensing_update()
         self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
         self._acting = read_only(np.tile(self._agent_of_owner(), keys.size))
@@ -142,7 +142,7 @@ class Mission(ReadOnlyViews):
         agent[owner_of] = np.arange(owner_of.size)
         return np.where(alone, agent, np.int32(-1)).astype(np.int32)
 
-    def _looks(self) -> Scans:
+    def _scans(self) -> Scans:
         """What all agents see now and say of themselves."""
         return Scans(
             active=self.active,
@@ -159,7 +159,7 @@ class Mission(ReadOnlyViews):
 
     def _see(self) -> Scans:
         """All agents scan: the fleet's knowledge and the ledger come up to date."""
-        scans = self._looks()
+        scans = self._scans()
         self._sensing_update.scan(scans, self._state.item_node, self._state.collected_by)
         return scans
 
@@ -188,15 +188,14 @@ class Mission(ReadOnlyViews):
         )
         self._show("state", self._dynamics.replace_episodes(rows, other._dynamics))
         self.ledger.replace_episodes(rows, other.ledger)
-        self._show("knowledge", self._knowledge.with_rows(rows, other._knowledge))
+        self._show("knowledge", scatter_all(self._knowledge, rows, other._knowledge))
         self.exchange.replace_episodes(rows, other.exchange, self._knowledge)
         self._shown = scatter_rows(self._shown, rows, other._shown)
         self.forecasts.replace_episodes(rows, other.forecasts)
         self._filtered = self._filtered.with_rows(rows, other._filtered)
         self._begin_step(scatter_rows(self.step, rows, other.step))
-        for name in ("keys", "active"):
-            mixed = scatter_rows(getattr(self, name), rows, getattr(other, name))
-            setattr(self, name, read_only(mixed))
+        self.keys = read_only(scatter_rows(self.keys, rows, other.keys))
+        self.active = read_only(scatter_rows(self.active, rows, other.active))
         self._held_keys = read_only(np.repeat(self.keys, self.exchange.owners))
         self._renew_sensing_update()
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
+from mjforage.base.rows import scatter_all
 from mjforage.base.views import CachedViews, read_only
 from mjforage.mission.knowledge import Knowledge, Scans, receive
 from mjforage.mission.task import Task, no_delayed_scans
@@ -46,4 +47,4 @@ class TwoOwners:
     def replace_episodes(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         """Replace episodes (row,) of the batch by those of another."""
         own = (rows[:, None] * OWNERS + np.arange(OWNERS)).reshape(-1)
-        self._knowledge = self._knowledge.with_rows(own, other._knowledge)
+        self._knowledge = scatter_all(self._knowledge, own, other._knowledge)

@@ -195,7 +195,7 @@ class Radio:
         """Replace episodes (row,) of the batch by those of another."""
         mine, theirs = self._net, other._net
         own = (rows[:, None] * self.owners + np.arange(self.owners)).reshape(-1)
-        self._knowledge = self._knowledge.with_rows(own, other._knowledge)
+        self._knowledge = scatter_all(self._knowledge, own, other._knowledge)
 
         moved = {
             name: scatter_rows(getattr(mine.inbox, name), rows, getattr(theirs.inbox, name))

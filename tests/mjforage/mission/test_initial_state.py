@@ -13,7 +13,6 @@ from mjforage.mission.initial_state import (
     item_places,
     nodes_around,
 )
-from mjforage.mission.item_rule import _nearest_of_four
 from mjforage.scenario.scenario import Items, Weather
 
 KEYS = episode_keys(0, np.arange(3000))
@@ -184,11 +183,3 @@ def test_a_tie_of_far_nodes_goes_to_the_lowest_whichever_ring_it_is_in() -> None
     navigable[0, 5] = navigable[8, 9] = True  # both five nodes from (5, 5): rings 5 and 4
     water = navigation_graph(navigable, 1.0, False).water
     assert into_water(water, 0, 5.0, 5.0)[2] == 0
-
-
-def test_a_tie_of_two_nodes_beside_an_item_goes_to_the_lowest() -> None:
-    navigable = np.zeros((4, 4), np.bool_)
-    navigable[1, 1] = navigable[2, 1] = True
-    framed = navigation_graph(navigable, 1.0, False).water.framed
-    assert _nearest_of_four(framed, 1, 2, 1, -0.5, 0.75) == 0
-    assert _nearest_of_four(framed, 0, 1, 1, 0.5, 0.75) == 0

@@ -29,18 +29,6 @@ def test_certain_detection_sees_all_and_none_sees_nothing() -> None:
     assert (blind.knowledge.last_seen == 3).all(), "looking counts, whether or not anything is seen"
 
 
-def test_each_item_is_seen_with_its_probability_at_every_step_anew() -> None:
-    """Counts in a node are binomial; first discovery is geometric."""
-    p, now, later = 0.3, watched(0.3, 0).knowledge.belief, watched(0.3, 5)
-    tolerance = 4 * 0.5 / np.sqrt(EPISODES)
-    for count, expected in ((0, 0.7**2), (1, 2 * 0.3 * 0.7), (2, 0.3**2)):
-        assert abs(share(now[:, 0] == count) - expected) < tolerance
-        assert abs(share(later.knowledge.belief[:, 0] == count) - expected) < tolerance
-    for step in range(3):
-        found = share(later.entries.t_discovered == step)
-        assert abs(found - p * (1 - p) ** step) < tolerance / np.sqrt(3)
-
-
 def test_only_what_was_seen_is_credited() -> None:
     once = watched(0.5, 0)
     first = once.entries.t_discovered == 0

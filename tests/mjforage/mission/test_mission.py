@@ -9,7 +9,7 @@ from mjforage.mission.mission import Mission
 from mjforage.mission.mission_metrics import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import Observation, Task
-from mjforage.scenario.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
+from mjforage.scenario.scenario_file import load_scenario
 from tests.brief_policies import brief_policies
 
 
@@ -63,18 +63,6 @@ def test_item_worlds_do_not_depend_on_policy_or_team() -> None:
     np.testing.assert_array_equal(tracks[0], tracks[2])
 
 
-def test_policies_start_every_batch_afresh() -> None:
-    setup = setup_of("comb-port", "horizon=40")
-    mission = Mission(setup)
-    for name in brief_policies():
-        policy, ends = create_policy(name), []
-        for episodes in (np.arange(3), np.arange(5), np.arange(3)):
-            mission.reset(1, episodes)
-            mission.run(policy)
-            ends.append(mission.state.agent_node.copy())
-        np.testing.assert_array_equal(ends[0], ends[2])
-
-
 @pytest.mark.parametrize("without", ["scouts", "foragers"])
 @pytest.mark.parametrize("policy", brief_policies())
 def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
@@ -99,17 +87,6 @@ def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> 
         np.isin(mission.ledger.entries.discovered_by, setup.fleet.discoverers), seen_by_scouts
     )
     assert (mission.ledger.entries.t_discovered[~found] == -1).all()
-
-
-def test_the_order_of_teams_in_a_file_does_not_decide_who_chooses_first() -> None:
-    """Foragers written first have other indices, but still choose first unless `order` differs."""
-    tree = scenario_to_tree(load_scenario("comb-port"))
-    turned = dict(reversed(tree["team"].items()))
-    assert setup_of("comb-port").fleet.order.tolist() == [3, 2, 1, 0]
-    setup = Setup.of(scenario_from_tree(tree | {"team": turned}, "turned"))
-    assert setup.fleet.names[0] == "foragers_0" and setup.fleet.order.tolist() == [1, 0, 3, 2]
-    scouts_first = setup_of("comb-port", "rules.order=['scouts','foragers']")
-    assert scouts_first.fleet.order.tolist() == [1, 0, 3, 2]
 
 
 @pytest.mark.parametrize("capability", ["carries", "relays"])
@@ -145,18 +122,6 @@ def test_more_agents_than_starts_take_the_nearest_free_nodes() -> None:
 def test_reachable_share_is_a_quarter_for_published_scouts() -> None:
     assert setup_of("published").reachable_shares["scouts"] == pytest.approx(0.25, abs=0.01)
     assert setup_of("comb-port").reachable_shares == {"scouts": 1.0, "foragers": 1.0}
-
-
-@pytest.mark.parametrize("value", [0.0, -np.inf])
-def test_equal_preferences_go_to_the_lowest_legal_move(value: float) -> None:
-    mission = Mission(setup_of("comb-port"))
-    mission.reset(1, np.arange(4))
-    fleet, arrays = mission.setup.fleet, mission.setup.task.arrays
-    first, nodes = fleet.order[0], mission.state.agent_node
-    moves = mission.decide(np.full((4, len(fleet), 9), value))
-    for e in range(4):
-        legal = np.flatnonzero(arrays.targets[arrays.stride_number[first], nodes[e, first]] >= 0)
-        assert moves.direction[e, first] == legal[0]
 
 
 @pytest.mark.parametrize("walls", WALLS)

@@ -181,37 +181,6 @@ def test_the_whole_team_draw_corrupts_together_and_still_takes_a_known_item_besi
     assert (moves.direction[corrupted, 1] != STAY).mean() > 0.6
 
 
-def test_a_corrupted_agent_takes_only_an_item_that_it_knows_of_itself() -> None:
-    """Two agents of two owners have an item to the east; only the second owner knows of one."""
-    teams, episodes = {"foragers": Role(2, 1, 1.0, True)}, 200
-    belief = np.zeros((episodes, 2, len(WATER)), np.int16)
-    for cell in ((1, 1), (3, 1)):
-        belief[:, 1, WATER.node_of_cell[cell]] = 1
-    moves = resolve(
-        *(WATER, teams, [(1, 0), (3, 0)], [[STAY], [STAY]], FREE),
-        episodes=episodes,
-        corruption=Corruption(np.array([1.0, 1.0]), whole_team=True),
-        belief=belief.reshape(2 * episodes, -1),
-        owner_of=(0, 1),
-    )
-    assert (moves.direction[:, 1] == E).all()
-    assert 0.05 < (moves.direction[:, 0] == E).mean() < 0.5, "one legal move of six"
-
-
-def test_a_known_item_in_its_own_node_does_not_keep_a_corrupted_agent_there() -> None:
-    """Staying is one of nine uniform moves: only items beside it draw the agent."""
-    belief = np.zeros((500, len(WATER)), np.int16)
-    belief[:, WATER.node_of_cell[2, 2]] = 1
-    moves = resolve(
-        *(WATER, {"foragers": FORAGER}, [(2, 2)], [[N]], FREE),
-        episodes=500,
-        corruption=Corruption(np.ones(1), whole_team=True),
-        belief=belief,
-    )
-    assert 0.05 < (moves.direction == STAY).mean() < 0.2
-    assert np.unique(moves.direction).size == 9
-
-
 @pytest.mark.parametrize(
     ("fault", "words"),
     [

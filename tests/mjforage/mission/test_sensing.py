@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.visibility import disc_offsets
 from mjforage.mission.detection import chances_by_square, corrected
-from mjforage.mission.mission import Mission
-from mjforage.mission.setup import Setup
 from mjforage.scenario.fleet import Role
 from mjforage.scenario.scenario import Sensors
 from mjforage.scenario.scenario_file import load_scenario
@@ -169,31 +167,6 @@ def test_a_filtered_map_by_hand() -> None:
     for at in ([11, 14], [14, 11]):
         belief = Watched(task, sensors, at, [-1], 0, 1).knowledge.belief[0]
         assert belief[[6, 12, 13]].tolist() == [0, 0, 0], "the nearer scan counts"
-
-
-def test_late_looks_weigh_as_those_of_their_time() -> None:
-    """A disk that delays a scan by two decisions leaves the map of the ideal link, two later."""
-    maps = []
-    for link in (("link.model=disk",), ("link.model=disk", "link.latency=2")):
-        overrides = ["sensors.detection=0.6", "sensors.map=filtered", "sensors.false_rate=0.01"]
-        mission = Mission(Setup.of(load_scenario("comb-port", [*overrides, *link])))
-        mission.reset(3, np.arange(2))
-        stay = np.zeros((2, 4, 9))
-        stay[..., 8] = 1.0
-        held = []
-        for _ in range(6):
-            mission.advance(stay)
-            held.append(mission.exchange.knowledge.belief.copy())
-        maps.append(held)
-    views = mission.task.views
-    at, number = mission.state.agent_node, mission.task.radius_number
-    for e in range(2):
-        own = views.of(at[e, 0], number[0])
-        others = np.concatenate([views.of(at[e, a], number[a]) for a in (1, 2, 3)])
-        far = np.setdiff1d(others, own)  # received by others alone
-        assert far.size
-        np.testing.assert_array_equal(maps[1][5][4 * e, far], maps[0][3][4 * e, far])
-        np.testing.assert_array_equal(maps[1][5][4 * e, own], maps[0][5][4 * e, own])
 
 
 @pytest.mark.parametrize(

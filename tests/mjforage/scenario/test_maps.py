@@ -106,33 +106,6 @@ def test_numpy_savetxt_loads(tmp_path: Path, pattern: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        ("1,1\n1\n1,1\n", "row 1 has 1 columns, expected 2 (counted from 0; line 2)"),
-        ("1\n1,1\n1,1\n", "row 0 has 1 columns, expected 2"),
-        ("1,1\n\n1,1\n", "row 1 has 0 columns, expected 2"),
-        ("1,1\n1,2\n", "row 1, column 1 is '2', expected 0 or 1 (counted from 0; line 2)"),
-        ("1,0.5\n", "row 0, column 1 is '0.5'"),
-        ("1,nan\n", "row 0, column 1 is 'nan'"),
-        ("a,1\n1,1\n", "row 0, column 0 is 'a'"),
-        ("1,\n1,1\n", "row 0, column 1 is ''"),
-        ("", "is empty"),
-        ("\n \n", "is empty"),
-        ("0,0\n0,0\n", "all 4 cells are obstacles"),
-        (b"\x00\x01\x02", "neither UTF-8 nor UTF-16 text, nor an image"),
-        (b"\x89PNG\r\n\x1a\n\xff", "neither UTF-8 nor UTF-16 text, nor an image"),
-        (b"1\x00,\x00", "neither UTF-8 nor UTF-16 text, nor an image"),
-    ],
-)
-def test_bad_table_is_named(write: WriteMap, content: str | bytes, message: str) -> None:
-    with pytest.raises(UserError) as caught:
-        load_map(write(content))
-    assert str(caught.value).startswith("map harbour.csv: ")
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
     ("reference", "message"),
     [
         ("comb_prt", "did you mean comb_port?"),

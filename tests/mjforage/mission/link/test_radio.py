@@ -12,16 +12,7 @@ from mjforage.mission.link import Radio
 from mjforage.mission.mission import Mission
 from mjforage.mission.task import Observation, Task
 from mjforage.scenario.scenario_file import load_scenario
-from tests.brief_policies import brief_policies
-from tests.mjforage.mission.link.nets import DISK, advanced, played, setup_of, started
-
-
-@pytest.mark.parametrize("policy", [name for name in brief_policies() if name != "pso"])
-def test_over_a_link_that_carries_all_at_once_everything_is_as_without(policy: str) -> None:
-    """To the bit; `pso` alone goes by the order in which nodes became known."""
-    ideal, linked = played(setup_of(), policy), played(setup_of(DISK), policy)
-    for name, values in ideal.items():
-        np.testing.assert_array_equal(linked[name], values)
+from tests.mjforage.mission.link.nets import DISK, advanced, setup_of, started
 
 
 def test_by_default_there_is_no_link() -> None:
@@ -53,21 +44,6 @@ def ages(radio: Radio, mission: Mission) -> NDArray[np.float64]:
     return (mission.step[:, None, None] - seen).astype(np.float64)
 
 
-def test_shadowing_is_alike_both_ways_and_cuts_its_share() -> None:
-    """Less than 1 m counts as 1 m: a margin of 1.2816 deviations is missed by a tenth."""
-    keys = ("link.model=log-distance", "link.shadowing_db=5", "link.exponent=1", "link.l0_db=0")
-    margin = 1.2816 * 5.0
-    far = ("map.pitch_m=0.001", f"link.tx_dbm={-90.0 + margin}")
-    mission, radio = started(setup_of("items.mean=300", *keys, *far), 60)
-    cut = []
-    for _ in range(40):
-        advanced(mission, "random", 1)
-        snr = radio.net.contacts.snr_db
-        np.testing.assert_array_equal(snr, snr.transpose(0, 2, 1))
-        cut.append((snr[:, ~np.eye(4, dtype=bool)] < 0.0).mean())
-    assert np.mean(cut) == pytest.approx(0.1, abs=0.01)
-
-
 def test_a_disk_ends_at_its_range_and_at_walls() -> None:
     """Agents that start in the port's bays: 16 m, with and without the quays between them."""
     for wall, range_m, received in ((0, 1e6, 12), (0, 9.0, 6), (1, 1e6, 6), (0, 1.0, 0)):
@@ -92,26 +68,6 @@ def test_a_disk_ends_at_its_range_and_at_walls() -> None:
                 if i != j and not land[min(rows[i], rows[j]) : max(rows[i], rows[j])].any()
             )
         assert contacts == near, received
-
-
-def test_news_goes_one_hop_in_a_decision() -> None:
-    """Four in a row, each in reach of its neighbours only."""
-    mission, radio = started(setup_of(DISK, "link.range_m=9"), 1)
-    row = mission.setup.graph.rows[mission.state.agent_node[0]]
-    line = np.argsort(row)
-    received_at = radio.net.inbox.received_at[0]
-    first, last = line[0], line[3]
-    assert [received_at[h, first, 0] >= 0 for h in line] == [True, True, False, False]
-    still = np.full((1, 4, 9), -np.inf)
-    still[..., 8] = 0.0
-    for step in (1, 2):
-        mission.advance(still)
-        assert [received_at[h, first, 0] >= 0 for h in line] == [True, True, True, step == 2]
-    assert received_at[last, first, 0] == 2
-    delayed = radio.delayed
-    steps = [s for s, a in zip(delayed.step[last], delayed.agent[last], strict=True) if a == first]
-    assert steps == [0], "and it is told as late"
-    assert (delayed.step < mission.step[0]).all(), "what is seen now is not"
 
 
 def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() -> None:
@@ -143,27 +99,6 @@ def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() ->
         believed = np.where(seen, np.floor(expected + 0.5), 0.0)
         np.testing.assert_array_equal(radio.knowledge.belief[row], believed)
     assert delayed > 100
-
-
-def test_only_relays_pass_on_where_the_others_do_not() -> None:
-    team = ("team.relays.count=1", "team.relays.moves=1", "team.relays.radius=0.0")
-    keys = (*team, "team.relays.collects=false", "team.relays.relays=true")
-    start = "map.starts=[[10, 7], [12, 7], [14, 7], [16, 7], [18, 7]]"
-    setup = setup_of(*keys, start, DISK, "link.range_m=9", "link.relay=false")
-    mission, radio = started(setup, 12)
-    still = np.full((12, 5, 9), -np.inf)
-    still[..., 8] = 0.0
-    for _ in range(6):
-        mission.advance(still)
-    row = setup.graph.rows[mission.state.agent_node]
-    relay = row[:, 4]
-    for e in range(12):
-        for h in range(4):
-            for a in range(4):
-                near = abs(row[e, h] - row[e, a]) <= 2
-                over = abs(row[e, h] - relay[e]) <= 2 and abs(row[e, a] - relay[e]) <= 2
-                received = radio.net.inbox.received_at[e, h, a, 0] >= 0
-                assert received == (near or over)
 
 
 def test_bursts_too_short_for_the_loss_are_refused() -> None:

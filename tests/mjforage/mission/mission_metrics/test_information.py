@@ -14,7 +14,7 @@ from mjforage.mission.mission_metrics import METRICS, Scorer
 from mjforage.mission.mission_metrics.handover import first_received
 from mjforage.mission.scan_log import ScanLog
 from mjforage.mission.task import NEVER
-from tests.mjforage.mission.link.nets import DISK, setup_of
+from tests.mjforage.mission.link.nets import setup_of
 
 OF_LINKS = (
     *("position_age", "disagreement", "rmse_holders", "contact"),
@@ -60,17 +60,6 @@ def test_without_a_link_maps_have_an_age_and_nothing_else_is_defined() -> None:
         assert np.isnan(scalars[key]).all(), key
     for key in ("position_age", "disagreement", "rmse_holders", "contact"):
         assert np.isnan(courses[key]).all(), key
-
-
-def test_over_a_link_that_carries_all_at_once_nothing_is_old_or_unlike() -> None:
-    """Four agents, all in reach: 3 scans come to each in every decision, and at the start."""
-    scalars, courses, _, mission = scored(DISK)
-    np.testing.assert_array_equal(courses["aoi"], scored()[1]["aoi"])
-    for key in ("position_age", "disagreement", "handover", "lost", "dropped"):
-        assert (scalars[key] == 0.0).all(), key
-    assert (scalars["contact"] == 1.0).all()
-    np.testing.assert_array_equal(scalars["delivered"], 12.0 * (mission.step + 1))
-    np.testing.assert_allclose(courses["rmse_holders"], courses["rmse"], rtol=1e-12)
 
 
 def test_the_peak_of_the_age_is_that_after_maps_were_known_best() -> None:
@@ -140,14 +129,6 @@ def test_first_hearing_of_an_item(received: dict[int, int], found: int, expected
     item_node = np.zeros((1, STEPS, 1), np.int32)
     about = item_node, np.array([[found]], np.int16), np.array([STEPS - 1], np.int32)
     assert first_received(link, np.array([1]), *about).tolist() == [[expected]]
-
-
-def test_of_several_listeners_the_first_counts() -> None:
-    link = link_of(SCOUT_STAYS, SEES_ONE, {1: 4})
-    about = np.zeros((1, STEPS, 1), np.int32), np.ones((1, 1), np.int16), np.array([STEPS - 1])
-    for listeners in ([0, 1], [1, 0]):
-        received = first_received(link, np.array(listeners), *about[:2], about[2].astype(np.int32))
-        assert received.tolist() == [[1]], "the scout has seen it itself"
 
 
 def test_a_look_counts_only_if_it_shows_items_where_the_item_is() -> None:
