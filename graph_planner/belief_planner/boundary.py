@@ -1,7 +1,7 @@
 """Boundary of the water: a position on land or off the map counts as the nearest navigable node.
 
-The planner's own view of the items' rule (scenario section 1): items pushed out of the water are
-put back beside the nearest node's centre by the rule of walls.
+The boundary condition of items (definitions, section 1): items pushed out of the water are put back
+beside the nearest node's centre.
 """
 
 from functools import lru_cache

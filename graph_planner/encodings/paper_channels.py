@@ -1,4 +1,4 @@
-"""The paper's six channels: the whole map as one agent sees it (scenario section 3)."""
+"""The paper's six channels: the whole map as one agent sees it (definitions, section 3)."""
 
 import numpy as np
 from numpy.typing import NDArray

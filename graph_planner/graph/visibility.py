@@ -1,8 +1,7 @@
 """Visibility: the nodes seen from a node, a disc less what the straight line to it hits.
 
-Definition (scenario section 1): a node is seen when its distance is at most the radius and every
-node on the rounded straight line to it is navigable; 49 nodes in open water for radius 4, 5 for
-radius 1.
+A node is seen when its distance is at most the radius and every node on the rounded straight line
+to it is navigable: 49 nodes in open water for radius 4, 5 for radius 1 (definitions, section 1).
 """
 
 from typing import NamedTuple

@@ -1,5 +1,5 @@
 """Boundary condition of items: one that drifts onto land goes to the nearest node, in its square to
-where `rules.walls` of the scenario puts it (scenario section 1).
+where `rules.walls` of the scenario puts it (definitions, section 1).
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ def put_back(
 
     clip: each component to +-0.49. project: the offset from the centre is scaled as a whole, its
     larger component to 0.49. published: so, and the smaller component takes the sign of the lesser
-    of the two signed offsets, as the paper's code has it (scenario section 1); of equal magnitudes
+    of the two signed offsets, as published (definitions, section 1); of equal magnitudes
     the column is that one. An offset within the square is kept.
     """
     if walls == 0:
@@ -101,7 +101,7 @@ def into_water(water: Water, walls: int, row: float, col: float) -> tuple[float,
     square.
 
     Clipped to the array first, then put back around the nearest node's centre by the rule of walls
-    (scenario section 1).
+    (definitions, section 1).
     """
     framed, rows, cols = water.framed, water.rows, water.cols
     node = own_node(framed, row, col)

@@ -20,7 +20,7 @@ def levy_length(key: np.uint64, index: int, step: int, cap: int) -> int:
     """A walk's length in decisions: floor of a Levy variate (scale 1), at least 1, at most `cap`.
 
     The inverse square of a standard normal has the Levy distribution (paper, section "Experimental
-    Study"; scenario section 3).
+    Study"; definitions, section 3).
     """
     z = normal(key, index, step)
     return cap if z * z * cap <= 1.0 else max(1, int(1.0 / (z * z)))

@@ -1,6 +1,6 @@
 """The paper's Greedy: the move with the largest instant reward, per agent, ties at random.
 
-Reward of a move (published code's weights, scenario section 3): 5.91 x known items in the node
+Reward of a move (published code's weights, definitions, section 3): 5.91 x known items in the node
 (foragers) + 2.23 x idleness in view (scouts; the sum ignores line of sight) - 1.7 x geodesic
 distance to the nearest known item (both teams; 0 on an item and when nothing is known). The three
 weights are options: `greedy(distance=0)`.

@@ -1,7 +1,7 @@
 """Particle swarm: every agent has a velocity, pulled to two places, and takes the nearest compass
 move.
 
-Velocity = inertia x velocity + sum of weight x uniform x (place - position) (scenario section 3):
+Velocity = inertia x velocity + sum of weight x uniform x (place - position):
 scouts are pulled with 0.5 to the best node they have seen themselves and with 3.27 to the most idle
 node, foragers with 2 to the node with most known items and with 3 to the nearest known item. Among
 equal places the one nearest to the agent as the crow flies is taken. Inertia: Clerc and Kennedy,

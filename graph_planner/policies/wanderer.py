@@ -2,7 +2,7 @@
 nearest known item.
 
 A heading is kept until it is blocked; the new one is uniform over the legal moves except straight
-back (scenario section 3). With nothing known, foragers wander like scouts.
+back (definitions, section 3). With nothing known, foragers wander like scouts.
 """
 
 import numpy as np

@@ -1,6 +1,6 @@
 """Graph dynamics: an agent is in its target node after every decision, items follow `ItemRule`.
 
-Order (scenario section 1): all move; foragers remove every item in their node; the rest drift.
+Order (definitions, section 1): all move; foragers remove every item in their node; the rest drift.
 """
 
 from collections.abc import Sequence

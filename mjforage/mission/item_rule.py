@@ -1,6 +1,6 @@
 """The graph world's rule for items: foragers remove what is in their node, the rest drift.
 
-Items drift by a constant vector plus independent noise per item and step (scenario section 1).
+Items drift by a constant vector plus independent noise per item and step (definitions, section 1).
 """
 
 from typing import Any, NamedTuple

@@ -1,6 +1,6 @@
 """The truth and its history: which item is where, who saw it first, who took it, and when.
 
-Metrics and bounds read it; policies never do. Order within a step (scenario section 1): discretise
+Metrics and bounds read it; policies never do. Order in a step (definitions, section 1): discretise
 to counts per node; agents scan; first discoveries are credited at the scan, whoever receives it,
 and a tie goes to an agent that does not collect.
 """

@@ -83,7 +83,7 @@ class Task:
 
     @property
     def forgetting(self) -> float:
-        """Growth of idleness per step: 1 / (0.9 T) (scenario section 1)."""
+        """Growth of idleness per step: 1 / (0.9 T) (definitions, section 1)."""
         return 1.0 / (0.9 * self.horizon)
 
     @cached_property

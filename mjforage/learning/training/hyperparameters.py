@@ -64,7 +64,7 @@ Settings = TypeVar("Settings", bound=CommonHyperparameters)
 
 @dataclass(frozen=True)
 class Hyperparameters(CommonHyperparameters):
-    """Hyper-parameters of the Double DQN; the paper's where it states them (scenario section 3)."""
+    """Hyper-parameters of the Double DQN, the paper's where stated (definitions, section 3)."""
 
     gamma: Annotated[float, Within(0, 1), source("paper")] = 0.99
     """Discount per step."""

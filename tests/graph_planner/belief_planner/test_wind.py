@@ -112,7 +112,7 @@ def test_a_quay_on_either_side_holds_up_and_ways_off_it_count_all_the_same(turne
 
 
 def test_the_edge_of_the_map_holds_nothing_up() -> None:
-    """Items are clipped to it and go on along it, whatever the rule (scenario section 1)."""
+    """Items are clipped to it and go on along it, whatever the rule (definitions, section 1)."""
     open_sea = navigation_graph(np.ones((80, 80), np.bool_), 1.0, False)
     boundary, ended = boundary_of(open_sea, "published"), tr.ended(9)
     ended.axis[:3], ended.start[:3], ended.shift[:3], ended.steps[:3] = 1, 40, 4.0, 50.0

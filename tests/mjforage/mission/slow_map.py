@@ -70,7 +70,7 @@ class SlowMap:
         return self.number.get((math.floor(place[0] + 0.5), math.floor(place[1] + 0.5)), -1)
 
     def pushed_into_water(self, place: tuple[float, float], walls: str) -> tuple[float, float]:
-        """Where an item comes to lie (scenario section 1, `walls`)."""
+        """Where an item comes to lie (definitions, section 1, `walls`)."""
         if self.node_of(place) >= 0:
             return place
         row = min(max(place[0], 0.0), self.height - 1.0)

@@ -1,4 +1,4 @@
-"""The mission of scenario section 1 in plain Python, one episode at a time: the kernels' oracle.
+"""The mission in plain Python, one episode at a time: the kernels' oracle (definitions, section 1).
 
 It shares with the code under test the scenario, the cells of the map, where agents start, and the
 numbers of the counter-based streams; what is decided with them is worked out here.

@@ -194,7 +194,7 @@ def test_any_content_loads_or_is_a_user_error(write: WriteMap, content: str | by
 
 
 def one_move(cells: Cells, rc: tuple[int, int], d: tuple[int, int], cutting: bool) -> bool:
-    """Whether one step in a direction is an edge, from its definition (scenario section 1)."""
+    """Whether one step in a direction is an edge, from its definition (definitions, section 1)."""
     r, c = rc[0] + d[0], rc[1] + d[1]
     if not (0 <= r < cells.shape[0] and 0 <= c < cells.shape[1] and cells[r, c]):
         return False

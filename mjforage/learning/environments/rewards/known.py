@@ -18,7 +18,7 @@ from mjforage.mission.task import Task
 REWARDS: Registry[Callable[..., Term]] = Registry("reward", "mjforage.rewards")
 
 PUBLISHED = {"belief": 2.12, "removed": 5.91, "idleness": 2.23, "distance": -1.7}
-"""Weights of the published experiments (scenario section 3)."""
+"""Weights of the published experiments (definitions, section 3)."""
 
 
 reward = REWARDS.register
