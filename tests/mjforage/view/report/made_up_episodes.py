@@ -1,6 +1,5 @@
 """Episodes made up by chance: their rows in the tables and their replay."""
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +11,6 @@ from mjforage.runs.episode_recording import Recording
 
 FLOATS = tuple(one.key for one in chosen_metrics())
 COURSES = tuple(one.course_name() for one in chosen_metrics() if one.has_course())
-OTHER = 0.5  # of a metric that this file does not know
 
 
 @dataclass(frozen=True)
@@ -67,112 +65,50 @@ class Episode:
 
 
 def made_up_episode(plan: Plan, world: str, policy: str, episode: int, skill: float) -> Episode:
+    """Items are discovered and served by chance; PTA, NT, CSR and length follow from that.
+
+    All other metrics are some number, the same at all steps.
+    """
     rng = np.random.default_rng([episode, plan.policies.index(policy), plan.worlds.index(world)])
     count, horizon, agents = plan.items, plan.horizon, plan.scouts + plan.foragers
     mask, times = port(plan.shape), np.arange(horizon + 1)
     key = {"world": world, "policy": policy, "episode": episode}
     spots = np.argwhere(mask)
-    centre = spots[np.random.default_rng(episode).integers(len(spots))]
-    near = spots[np.argsort(((spots - centre) ** 2).sum(1))[: max(9, len(spots) // 9)]]
-    start = near[rng.integers(len(near), size=count)] + rng.uniform(-0.4, 0.4, (count, 2))
+    start = spots[rng.integers(len(spots), size=count)] + rng.uniform(-0.4, 0.4, (count, 2))
     found = np.floor(rng.gamma(2.0, 0.14 * horizon / skill, count))
     served = found + np.floor(rng.gamma(1.5, 0.1 * horizon / skill, count)) + 1
-    if agents == 0 or plan.foragers == 0:
-        served[:] = np.inf
-    if agents == 0:
-        found[:] = np.inf
     unlucky = episode == plan.episodes - 1 and policy == plan.policies[-1]
-    if unlucky:
-        served[:] = np.inf
-    served[served > horizon] = np.inf
-    found[found > horizon] = np.inf
+    served[(served > horizon) | unlucky | (plan.foragers == 0)] = np.inf
+    found[(found > horizon) | (agents == 0)] = np.inf
     length = int(served.max()) if np.isfinite(served).all() else horizon
     finder = rng.integers(0, max(1, agents), count)
-    by_scout = (finder < plan.scouts) & np.isfinite(found)
     server = plan.scouts + rng.integers(0, max(1, plan.foragers), count)
-    gone = served[None, :] <= times[:, None]
-    seen = found[None, :] <= times[:, None]
-    nothing = math.nan
-
-    def ratio(step: int) -> float:
-        removed = int(gone[step].sum())
-        return float((gone[step] & by_scout).sum()) / removed if removed else nothing
-
-    def gini(step: int) -> float:
-        load = [int((gone[step] & (server == plan.scouts + f)).sum()) for f in range(plan.foragers)]
-        if not sum(load):
-            return nothing
-        pairs = sum(abs(a - b) for a in load for b in load)
-        return pairs / (2 * len(load) * sum(load))
-
+    gone, seen = served <= times[:, None], found <= times[:, None]
     pta_d, pta_c = 100 * seen.mean(1), 100 * gone.mean(1)
-    idle = 0.35 + 0.65 * np.exp(-times * skill * 5 / horizon) + rng.normal(0, 0.01, len(times))
-    rmse = 0.06 * (1.02 - pta_d / 100) * rng.uniform(0.8, 1.2)
-    scouts_off = nothing if plan.scouts == 0 else 1.0
-    foragers_off = nothing if plan.foragers == 0 else 1.0
-    overlap = 0.08 / skill + 0.7 * np.exp(-times * 12 / horizon)
-    series: dict[str, NDArray[np.float64]] = {
-        "pta_d": pta_d,
-        "pta_c": pta_c,
-        "rmse": rmse,
-        "rmse_columns": rmse / 3.8,
-        "mi": idle,
-        "irr": np.append(nothing, -np.diff(idle)),
-        "csr": np.array([ratio(t) for t in range(horizon + 1)]),
-        "gini_foragers": np.array([gini(t) for t in range(horizon + 1)]),
-        "gini_scouts": np.full(len(times), 0.2 * scouts_off),
-        "co_scouts": scouts_off * overlap,
-        "co_foragers": foragers_off * overlap / 2,
-    }
-    other = np.full(len(times), OTHER)
+    by_scout = (gone & (finder < plan.scouts)).sum(1)
+    csr = np.where(gone.any(1), by_scout / np.maximum(gone.sum(1), 1), np.nan)
+    series = {"pta_d": pta_d, "pta_c": pta_c, "csr": csr}
+    other = np.full(len(times), rng.uniform(0.29, 0.31) / skill)
     steps = [
         {**key, "step": t, **{n: float(series.get(n, other)[t]) for n in COURSES}} for t in times
     ]
+    reached = [np.argmax(pta_c >= x) / horizon if pta_c[-1] >= x else 1.0 for x in (50, 90)]
+    scalars = {name: values[-1] for name, values in series.items()}
+    scalars |= {"nt50": reached[0], "nt90": reached[1], "length": length}
+    scalars |= {"cleared": float(gone[-1].all())}
 
-    def reach(level: float) -> float:
-        hits = np.flatnonzero(pta_c >= level)
-        return float(hits[0]) / horizon if len(hits) else 1.0
+    def whole(value: float) -> int | None:
+        return int(value) if np.isfinite(value) else None
 
-    served_by_scout = by_scout & np.isfinite(served)
-    dsl = (
-        (served[served_by_scout] - found[served_by_scout]).mean() / horizon
-        if served_by_scout.any()
-        else nothing
-    )
-    rises = [int(np.argmax(np.diff(curve))) for curve in (pta_d, pta_c)]
-    removed, discovered = float(gone[-1].sum()), float(seen[-1].sum())
-    scalars = {
-        "pta_d": pta_d[-1],
-        "pta_c": pta_c[-1],
-        "rmse": rmse[-1],
-        "rmse_columns": rmse[-1] / 3.8,
-        "nt50": reach(50),
-        "nt90": reach(90),
-        "throughput": removed / (plan.foragers * horizon) if plan.foragers else nothing,
-        "throughput_scouts": discovered / (plan.scouts * horizon) if plan.scouts else nothing,
-        "mi_final": idle[-1],
-        "mi_mean": idle.mean(),
-        "irr_mean": (idle[0] - idle[-1]) / horizon,
-        "dsl": dsl,
-        "itl": abs(rises[0] - rises[1]) / horizon,
-        "itl_level": abs(int(np.argmax(pta_d)) - int(np.argmax(pta_c))) / horizon,
-        "csr": ratio(-1),
-        "gini_foragers": gini(-1),
-        "gini_scouts": series["gini_scouts"][-1],
-        "co_scouts": series["co_scouts"].mean(),
-        "co_foragers": series["co_foragers"].mean(),
-        "length": float(length),
-        "cleared": float(bool(gone[-1].all())),
-    }
     items = [
         {
             **key,
             "item": k,
             "row_start": float(start[k, 0]),
             "col_start": float(start[k, 1]),
-            "t_discovered": int(found[k]) if np.isfinite(found[k]) else None,
+            "t_discovered": whole(found[k]),
             "discovered_by": int(finder[k]) if np.isfinite(found[k]) else None,
-            "t_collected": int(served[k]) if np.isfinite(served[k]) else None,
+            "t_collected": whole(served[k]),
             "collected_by": int(server[k]) if np.isfinite(served[k]) else None,
         }
         for k in range(count)
@@ -196,15 +132,11 @@ def made_up_episode(plan: Plan, world: str, policy: str, episode: int, skill: fl
         for a, track in enumerate(tracks)
         for t in range(length + 1)
     ]
-    tables = {
-        "episodes": [{**key, "items": count, **{n: float(scalars.get(n, OTHER)) for n in FLOATS}}],
-        "steps": steps,
-        "items": items,
-        "agents": poses,
-    }
-    return Episode(
-        tables, _replay(plan, world, policy, episode, mask, tracks, start, gone, seen, length)
-    )
+    some = {n: float(scalars.get(n, other[0])) for n in FLOATS}
+    episodes = [{**key, "items": count, **some}]
+    tables = {"episodes": episodes, "steps": steps, "items": items, "agents": poses}
+    recording = _replay(plan, world, policy, episode, mask, tracks, start, gone, seen, length)
+    return Episode(tables, recording)
 
 
 def _replay(

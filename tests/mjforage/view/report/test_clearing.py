@@ -8,9 +8,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.base.errors import UserError
-from mjforage.runs.run_info import load_run
-from mjforage.view.report import clearing, write_report
+from mjforage.view.report import write_report
 from mjforage.view.report.clearing import UNKNOWN, about, clearing_step, clearing_table
 from mjforage.view.report.run_logs import load_logs
 
@@ -75,18 +73,6 @@ def test_the_table_counts_episodes_and_tells_times_in_minutes(make_run: MakeRun)
     assert levy.cells == ("0 of 4", "–", "3.0", "4 of 4", UNKNOWN)
 
 
-def test_the_horizon_of_several_episodes_is_the_median_of_those_not_cleared(
-    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    logs = load_logs(make_run(policies=("greedy",), episodes=3))
-    monkeypatch.setattr(clearing, "_episodes", lambda *run: [np.array([5.0, NEVER])] * 3)
-    told = iter((90.0, 30.0, 50.0))
-    monkeypatch.setattr(clearing, "clearing_step", lambda removed, horizon: next(told))
-    table = clearing_table(logs)
-    assert table is not None
-    assert (table.rows[0].cells[4], table.rows[0].also[4]) == ("≈ 50", "8 min"), "500 s"
-
-
 @pytest.mark.parametrize("horizon", [12, 60])
 def test_the_page_says_whether_the_map_was_cleared(make_run: MakeRun, horizon: int) -> None:
     folder = make_run(policies=("greedy",), episodes=3, horizon=horizon)
@@ -94,10 +80,3 @@ def test_the_page_says_whether_the_map_was_cleared(make_run: MakeRun, horizon: i
     all_cleared = clearing_table(load_logs(folder)) is None
     assert ("Every policy cleared the map in every episode." in page) is all_cleared
     assert ('id="table-clearing"' in page) is not all_cleared
-
-
-def test_a_run_without_the_length_of_a_step_is_refused(make_run: MakeRun) -> None:
-    file = make_run() / "run.json"
-    file.write_text(file.read_text().replace('"period_s"', '"other"'))
-    with pytest.raises(UserError, match="period_s"):
-        load_run(file)

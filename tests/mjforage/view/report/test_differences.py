@@ -15,9 +15,7 @@ from mjforage.view.report.differences import (
     MANY,
     Difference,
     Estimate,
-    corrected,
     family_note,
-    p_text,
     set_apart,
 )
 from mjforage.view.report.policy_pairs import comparison_table
@@ -43,15 +41,6 @@ def test_a_family_is_corrected_for_its_number() -> None:
     assert alone and not any(set_apart([*noise, clear])[:-1])
     assert set_apart([*noise, clear])[-1]
     assert "for the 61 tests of this table" in family_note([*noise, clear])
-
-
-def test_what_is_undefined_is_no_test() -> None:
-    nothing = Difference(np.full(20, np.nan), np.zeros(20), describe("csr"))
-    clear = Difference(np.linspace(5.0, 6.9, 20), np.zeros(20), describe("pta_c"))
-    assert set_apart([nothing, clear]) == [False, True]
-    assert corrected([nothing, clear])[1] == clear.p
-    assert "for the 1 test of this table" in family_note([nothing, clear])
-    assert p_text(np.nan) == "–"
 
 
 @pytest.mark.usefixtures("unprinted")

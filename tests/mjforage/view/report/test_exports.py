@@ -4,17 +4,13 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-import polars as pl
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.mission.mission_metrics import describe
 from mjforage.view.page.figure import ReportFigure
 from mjforage.view.report import Exports, write_report
-from mjforage.view.report.best_marks import best_of
 from mjforage.view.report.report_page import draw_figures
-from mjforage.view.report.run_logs import Case, RunLogs, load_logs
+from mjforage.view.report.run_logs import RunLogs
 from tests.mjforage.view.report.made_up_episodes import Plan
 from tests.mjforage.view.report.made_up_runs import build
 
@@ -55,16 +51,6 @@ def test_the_same_logs_give_the_same_files(written: list[dict[str, bytes]]) -> N
     assert written[0] == written[1]
 
 
-def test_without_them_figures_are_outlines_and_no_pdf_is_made(
-    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    folder = make_run()
-    monkeypatch.setattr("mjforage.view.report.draw_figures", a_map_and_curves)
-    write_report(folder)
-    assert {path.suffix for path in (folder / "figures").iterdir()} == {".png", ".svg"}
-    assert "<text" not in (folder / "figures" / "pta.svg").read_text(encoding="utf-8")
-
-
 @pytest.mark.parametrize(
     ("tables", "figures", "message"),
     [
@@ -76,35 +62,3 @@ def test_without_them_figures_are_outlines_and_no_pdf_is_made(
 def test_a_format_that_is_none_is_one_clear_error(tables: str, figures: str, message: str) -> None:
     with pytest.raises(UserError, match=f"^{re.escape(message)}$"):
         Exports.of(tables, figures)
-
-
-def logs_with(folder: Path, values: dict[str, list[float]]) -> RunLogs:
-    """Logs in which NT90 of each policy is as told."""
-    logs = load_logs(folder)
-    table = logs.episodes.sort("policy", "episode")
-    told = [value for policy in sorted(values) for value in values[policy]]
-    changed = table.with_columns(pl.Series("nt90", told))
-    return RunLogs(logs.folder, logs.run, logs.summary, changed)
-
-
-def test_bold_are_the_best_and_those_not_told_apart_from_it(make_run: MakeRun) -> None:
-    folder = make_run(policies=("greedy", "levy", "random"), episodes=12)
-    wobble = list(np.tile([0.0, 0.02, 0.04], 4))
-    best, alike, worse = (
-        wobble,
-        [w + s for w, s in zip(wobble, [0.05, -0.049] * 6, strict=True)],
-        [w + 0.3 for w in wobble],
-    )
-    logs = logs_with(folder, {"greedy": best, "levy": alike, "random": worse})
-    assert best_of(logs, describe("nt90")) == {
-        Case(logs, "graph", who) for who in ("greedy", "levy")
-    }
-
-
-def test_none_is_bold_where_all_are_alike_or_episodes_are_few(make_run: MakeRun) -> None:
-    alike = {"greedy": [0.1, 0.2] * 6, "levy": [0.2, 0.1] * 6}
-    logs = logs_with(make_run(episodes=12), alike)
-    assert best_of(logs, describe("nt90")) == set()
-    apart = {"greedy": [0.1, 0.2, 0.1] * 3, "levy": [0.8, 0.9, 0.8] * 3}
-    logs = logs_with(make_run(episodes=9), apart)
-    assert best_of(logs, describe("nt90")) == set()

@@ -9,7 +9,6 @@ import polars as pl
 import pytest
 from matplotlib.collections import PathCollection
 
-from mjforage.base.errors import UserError
 from mjforage.metrics import paired_difference
 from mjforage.mission.mission_metrics import describe
 from mjforage.view.page import Row, Table, embedded_within
@@ -59,19 +58,6 @@ def test_of_200_policies_the_best_and_the_worst_are_shown(many: Path) -> None:
             assert len(axes.lines) <= 12
 
 
-@pytest.mark.parametrize(("policies", "worlds", "shown"), [(20, 1, 20), (21, 1, 12), (20, 4, 10)])
-def test_so_many_are_shown_that_their_pairs_have_room(
-    make_run: MakeRun, policies: int, worlds: int, shown: int
-) -> None:
-    places = ("graph", "hulls", "debris", "physics")[:worlds]
-    settings = {"policies": ("greedy",), "worlds": places, "episodes": 1, "horizon": 2}
-    logs = load_logs(of_policies(make_run(**settings), policies))
-    chosen = shown_policies(logs)
-    assert len(chosen) == shown
-    assert len(chosen) * (len(chosen) - 1) // 2 * worlds <= PAIRS
-    assert names(0)[0] in chosen and names(policies - 1)[0] in chosen
-
-
 @pytest.mark.usefixtures("unprinted")
 def test_the_page_says_what_it_leaves_out_and_the_files_have_all(
     many: Path, command: Command, refused: Callable[..., str]
@@ -91,15 +77,6 @@ def test_the_page_says_what_it_leaves_out_and_the_files_have_all(
         "report", many, "--policy", "ogr"
     )
     assert "is for the report of one run" in refused("report", many, many, "--policy", "ogr")
-
-
-@pytest.mark.usefixtures("unprinted")
-def test_a_usual_run_leaves_nothing_out(make_run: MakeRun) -> None:
-    folder = make_run(policies=("greedy", "levy", "random"), episodes=2)
-    logs = load_logs(folder)
-    assert only(logs, shown_policies(logs)) is logs
-    page = write_report(folder).read_text()
-    assert "evenly" not in page and "shows others" not in page and "left out:" not in page
 
 
 def test_of_many_episodes_so_many_points_are_drawn(make_run: MakeRun) -> None:
@@ -134,14 +111,6 @@ def test_an_episode_that_has_no_room_is_cut_and_said_so(make_run: MakeRun) -> No
     assert entry["frames"] == entry["steps"] + 1
 
 
-def test_many_kept_episodes_are_not_all_read(make_run: MakeRun) -> None:
-    kept = tuple(range(140))
-    folder = make_run(policies=("greedy",), episodes=140, horizon=2, kept=kept)
-    result = web_replay({"": folder})
-    assert result is not None
-    assert len(result.data["replays"]) == 120 and result.left_out == 20
-
-
 def test_the_largest_figures_become_pictures_until_all_have_room(tmp_path: Path) -> None:
     pictures = []
     for name, points in (("small", 5), ("large", 5000)):
@@ -171,8 +140,3 @@ def test_of_many_episodes_an_interval_is_the_normal_one_which_is_no_other() -> N
     assert abs(found.low - float(drawn.low)) < 0.1 * half
     assert abs(found.high - float(drawn.high)) < 0.1 * half
     assert found.high - found.value == pytest.approx(found.value - found.low)
-
-
-def test_a_policy_that_is_not_there_is_named(many: Path) -> None:
-    with pytest.raises(UserError, match="--policy levy: is not in this run; choose policy-0000"):
-        write_report(many, policies=("levy",))

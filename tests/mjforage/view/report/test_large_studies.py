@@ -44,13 +44,6 @@ def test_tables_make_room_for_figures_and_figures_for_the_page(tmp_path: Path) -
     assert text.count("<figure") >= 6
 
 
-def test_a_usual_study_leaves_nothing_out(tmp_path: Path) -> None:
-    courses = {f"bay-{k}": ("greedy", "levy") for k in range(4)}
-    made_up_study(tmp_path, courses, 3, "board")
-    text = write_study_report(tmp_path).read_text("utf-8")
-    assert "rows; the files in" not in text
-
-
 def test_a_board_of_many_courses_and_policies(tmp_path: Path) -> None:
     names = tuple(f"greedy(distance={k + 1})" for k in range(10))
     made_up_study(tmp_path, {f"bay-{k}": names for k in range(60)}, 3, "board")

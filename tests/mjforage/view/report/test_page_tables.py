@@ -10,13 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.mission.mission_metrics import describe
 from mjforage.view.page.html import environment
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report import write_report
-from mjforage.view.report.cells import in_minutes
 from mjforage.view.report.run_logs import load_logs
-from mjforage.view.report.text_tables import headline_table
 
 pytestmark = pytest.mark.usefixtures("unprinted")
 MakeRun = Callable[..., Path]
@@ -65,24 +62,6 @@ def test_every_head_has_words_and_the_area_that_scrolls_a_name() -> None:
     page = html_of(TABLE)
     assert '<th scope="col"><span class="label">policy</span></th>' in page
     assert 'class="scroll" role="region" tabindex="0" aria-label="Table: Title"' in page
-
-
-def test_headline_columns_point_where_their_metrics_do(make_run: MakeRun) -> None:
-    table = headline_table(load_logs(make_run()))
-    known = {describe(key).label: describe(key).better for key in ("pta_d", "nt90", "csr")}
-    found = dict(zip(table.columns, table.better, strict=True))
-    assert known.items() <= found.items() and set(known.values()) == {1, -1}
-
-
-def test_shares_of_the_horizon_are_said_in_minutes(make_run: MakeRun) -> None:
-    """12 steps of 10 s are two minutes."""
-    logs = load_logs(make_run(policies=("greedy",)))
-    (row,) = headline_table(logs).rows
-    also = dict(zip(headline_table(logs).columns, row.also, strict=True))
-    nt90, length = (logs.summary["graph"]["greedy"][key] for key in ("nt90", "length"))
-    assert also["NT_90"] == f"{2 * nt90.mean:.1f} min"
-    assert also["Length"] == f"{length.mean / 6:.1f} min"
-    assert also["PTA_C"] == "" == in_minutes(logs.run, describe("csr"), nt90.mean)
 
 
 def test_every_table_of_the_page_has_the_same_csv_in_it_and_in_the_folder(

@@ -36,16 +36,6 @@ def test_who_is_better_follows_the_metric_in_every_world() -> None:
     }
 
 
-def test_rows_point_where_their_metrics_do_and_hold_their_numbers_in_full() -> None:
-    table = comparison_table(three_worlds())
-    assert table is not None
-    assert {row.head: row.better for row in table.rows} == {"PTA_C [%]": 1, "NT_90": -1}
-    last = table.rows[-2]
-    numbers = [one and one.value for one in last.values]
-    assert (numbers[0], *numbers[2:]) == (-6.0, 6 * 2.0**-9, 0.125, 10)
-    assert last.values[1] is not None and last.values[1][1:] == (-6.0, -6.0)
-
-
 def test_episodes_that_one_of_two_lacks_are_no_pairs() -> None:
     """Differences 1, -1, 4 and five of -1: mean -1/8. Of 9 x 9 episodes 29.5 are won, .364.
 

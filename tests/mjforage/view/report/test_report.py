@@ -1,5 +1,4 @@
 import base64
-import itertools
 import json
 import math
 import re
@@ -15,13 +14,9 @@ import pytest
 from rich.console import Console
 
 from mjforage.base.errors import UserError
-from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.view.page import style
-from mjforage.view.report import published, terminal_table, write_report
-from mjforage.view.report.cells import number
-from mjforage.view.report.run_logs import load_logs, policy_name
-from mjforage.view.report.text_tables import paper_tables
-from tests.mjforage.printing import unprinted_figures
+from mjforage.view.report import terminal_table, write_report
+from mjforage.view.report.run_logs import policy_name
 from tests.mjforage.view.report.made_up_episodes import Plan
 from tests.mjforage.view.report.made_up_runs import build
 
@@ -77,16 +72,6 @@ def page(reported: Path) -> str:
     return (reported / "report.html").read_text(encoding="utf-8")
 
 
-@pytest.fixture(scope="module")
-def beside_the_paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a run like the paper's that nobody may change, with its report."""
-    folder = build(tmp_path_factory.mktemp("published") / "run", Plan(name="published"))
-    with unprinted_figures(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(published, "comparable", lambda run: True)
-        write_report(folder)
-    return folder
-
-
 def table_rows(page: str, name: str) -> dict[str, list[str]]:
     """Cells of a table by row head, without markup."""
     anchor = "table-" + name.removeprefix("table-")
@@ -135,88 +120,6 @@ def test_the_page_forbids_everything_from_outside_and_other_scripts(page: str) -
     assert sorted(re.findall(r"'sha256-([^']+)'", rules)) == sorted(digests)
 
 
-def test_labels_cannot_break_a_figure(make_run: MakeRun) -> None:
-    name = r"$\frac{$"
-    page = written(make_run(name=name, policies=("greedy", name), replays=("greedy",)))
-    assert name in page
-
-
-def test_table_2_shows_the_summary_and_the_paper_beside_it(beside_the_paper: Path) -> None:
-    rows = table_rows((beside_the_paper / "report.html").read_text(encoding="utf-8"), "table-2")
-    summary = json.loads((beside_the_paper / "summary.json").read_text())["graph"]["greedy"]
-    entries = [(summary["pta_d"], 2), (summary["pta_c"], 2), (summary["rmse"], 4)]
-    expected = [f"{e['mean']:.{d}f} ± {1.96 * e['sem']:.{d}f}" for e, d in entries]
-    assert rows["greedy"][:3] == expected
-    assert rows["Greedy, paper (its own map)"] == [
-        "98.85 ± 1.04",
-        "98.20 ± 1.15",
-        "–",
-        "0.0017 ± 0.0012",
-    ]
-    code = "its public code (its own map), 1,300 episodes"
-    pooled = ["98.56 ± 0.40", "97.20 ± 0.51", "0.0069 ± 0.0014", "0.0018"]
-    assert rows[f"Greedy, {code}"] == pooled
-    straight = "Lévy walks, walked straight"
-    assert rows[f"{straight}, paper (its own map)"][0] == "82.28 ± 5.93"
-    kept = "Lévy walks, its public code with lengths kept (its own map), 600 episodes"
-    assert rows[kept] == ["82.50 ± 2.40", "80.00 ± 2.50", "–", "0.0159"]
-
-
-def test_the_straight_walk_has_the_papers_levy_rows_and_a_note_says_so(
-    make_run: MakeRun, beside_the_paper: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(published, "comparable", lambda run: True)
-    assert "never uses them" in (beside_the_paper / "report.html").read_text(encoding="utf-8")
-    for policy, said in (("greedy", False), ("levy", True), ("wanderer", True)):
-        tables = paper_tables(load_logs(make_run(policies=(policy,))))
-        notes = " ".join(note for table in tables for note in table.notes)
-        assert ("never uses them" in notes) is said
-    rows = {row.head: list(row.cells) for row in tables[0].rows}
-    straight = "Lévy walks, walked straight"
-    assert rows[f"{straight}, paper (its own map)"][1] == "80.43 ± 5.98"
-    code = f"{straight}, its public code (its own map), 1,300 episodes"
-    assert rows[code] == ["82.02 ± 1.67", "79.08 ± 1.73", "0.0522", "0.0168"]
-
-
-def test_tables_3_and_4_show_means_with_their_intervals(beside_the_paper: Path) -> None:
-    page = (beside_the_paper / "report.html").read_text(encoding="utf-8")
-    summary = json.loads((beside_the_paper / "summary.json").read_text())["graph"]["levy"]
-    shown = {
-        key: f"{summary[key]['mean']:.3f} ± {1.96 * summary[key]['sem']:.3f}"
-        for key in ("nt50", "nt90", "throughput", "csr")
-    }
-    cells = list(shown.values())[:3]
-    for place, key in enumerate(("nt50", "nt90")):
-        cells[place] += f" {2 * summary[key]['mean']:.1f} min"  # the horizon is two minutes
-    assert table_rows(page, "table-3")["levy"] == cells
-    assert table_rows(page, "table-4")["levy"] == [shown["csr"]]
-    assert table_rows(page, "table-4")["Greedy, paper (its own map)"] == ["0.899"]
-
-
-def test_another_scenario_is_not_set_beside_the_paper(make_run: MakeRun) -> None:
-    logs = load_logs(make_run(name="open-bay"))
-    heads = [row.head for table in paper_tables(logs) for row in table.rows]
-    assert "its own map" not in " ".join(heads)
-
-
-def test_every_metric_is_in_the_full_table(reported: Path, page: str) -> None:
-    block = page.split('id="table-metrics"', 1)[1].split("</table>", 1)[0]
-    values = json.loads((reported / "summary.json").read_text())["graph"]
-    rows = re.findall(r'<th scope="row">.*?</th>(.*?)</tr>', block)
-    shown = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in rows]
-    expected = []
-    for metric, policy in itertools.product(chosen_metrics(), ("greedy", "levy")):
-        key, digits = metric.key, metric.digits
-        entry = values[policy][key]
-        if entry["n"] < 2:
-            pytest.fail(f"{key} is meant to be defined twice here")
-        low, high = (number(end, digits) for end in entry["ci95"])
-        mean, iqm = number(entry["mean"], digits), number(entry["iqm"], digits)
-        half = number(1.96 * entry["sem"], digits)
-        expected.append([mean, half, f"{low} to {high}", iqm, str(entry["n"])])
-    assert shown == expected
-
-
 def test_the_same_logs_give_the_same_bytes(reported: Path, tmp_path: Path) -> None:
     first = (reported / "report.html").read_bytes()
     images = {path.name: path.read_bytes() for path in (reported / "figures").iterdir()}
@@ -236,15 +139,6 @@ def test_a_hostile_name_is_escaped(make_run: MakeRun) -> None:
     assert "<img src=x" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
     assert "49" not in page.split("<h1>", 1)[1].split("</h1>", 1)[0]
-
-
-def test_undefined_values_are_left_out_and_counted(make_run: MakeRun) -> None:
-    folder = make_run(episodes=2)
-    logs = load_logs(folder)
-    entry = json.loads((folder / "summary.json").read_text())["graph"]["levy"]["csr"]
-    assert (entry["n"], entry["sem"]) == (1, None)
-    (row,) = [row for row in paper_tables(logs)[2].rows if row.head == "levy"]
-    assert row.cells == (f"{entry['mean']:.3f}",)
 
 
 @pytest.mark.parametrize(
@@ -328,15 +222,6 @@ def test_damage_is_named(
     assert "evaluate" in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (folder / "report.html").exists()
-
-
-@pytest.mark.usefixtures("unprinted")
-def test_a_run_that_keeps_no_replay_has_a_page_without_it(make_run: MakeRun) -> None:
-    folder = make_run()
-    shutil.rmtree(folder / "replay")
-    page = written(folder)
-    assert 'id="replay"' not in page and 'id="figure-scenario"' not in page
-    assert 'id="figure-tracks"' in page
 
 
 def test_logs_of_another_run_are_refused(make_run: MakeRun) -> None:

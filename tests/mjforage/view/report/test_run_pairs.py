@@ -105,12 +105,6 @@ def test_both_runs_are_in_the_replay_by_name(make_run: MakeRun) -> None:
     assert {entry["run"] for entry in data["replays"]} == {0, 1}
 
 
-def test_the_same_logs_give_the_same_page(make_run: MakeRun, tmp_path: Path) -> None:
-    one, two = make_run(), make_run(policies=("greedy", "pso"))
-    first = write_pair(one, two, tmp_path / "a").read_bytes()
-    assert write_pair(one, two, tmp_path / "b").read_bytes() == first
-
-
 def test_what_differs_between_them_is_told(make_run: MakeRun) -> None:
     def edit(run: dict[str, Any]) -> None:
         run["scenario"]["teams"]["scouts"]["radius"] = 2.5

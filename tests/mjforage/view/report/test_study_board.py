@@ -1,15 +1,13 @@
 """Tables and figures of the board, on numbers chosen by hand."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from mjforage.graph_planner.policies import policy_names
 from mjforage.runs.costs import Cost
-from mjforage.view.page.style import policy_colour, policy_styles
+from mjforage.view.page.style import policy_colour
 from mjforage.view.page.table import NOTHING, Row, Table
 from mjforage.view.report.studies import board as page
 from mjforage.view.report.studies.board_figures import frontier_picture, profiles_picture
@@ -27,7 +25,6 @@ from mjforage.view.report.studies.board_tables import (
     iqm_table,
     overall_table,
     task_table,
-    time_cell,
 )
 from mjforage.view.report.studies.study_logs import StudyLogs
 from tests.mjforage.view.report.made_up_study import made_up_study, with_values
@@ -77,12 +74,6 @@ def board(made: StudyLogs) -> Board:
 def row(table: Table, head: str, group: str = "") -> Row:
     (found,) = [one for one in table.rows if (one.head, one.group) == (head, group)]
     return found
-
-
-def test_bounds_are_not_ranked_and_means_are_over_courses_that_all_play(board: Board) -> None:
-    assert board.ranked == ("greedy", "levy", "random")
-    assert board.shared == ("bay", "port")
-    assert set(board.players("far")) == {"greedy", "random", "oracle"}
 
 
 def test_scores_are_0_at_random_and_1_at_the_oracle_course_by_course(board: Board) -> None:
@@ -201,11 +192,6 @@ def test_the_time_of_decisions_is_of_warm_chunks_if_there_are_any(made: StudyLog
     assert np.isnan(board.mean_decision("levy").ms), "not measured on the bay"
 
 
-def test_times_have_three_digits_whatever_their_size() -> None:
-    spent = [Decision(0.00123456), Decision(12.3456), Decision(1234.5, True), Decision(np.nan)]
-    assert [time_cell(one).text for one in spent] == ["0.00123", "12.3", "≤ 1234", NOTHING]
-
-
 def test_the_table_of_all_courses_has_the_best_first_and_bounds_last(board: Board) -> None:
     table = overall_table(Standing.of(board))
     assert [one.head for one in table.rows] == ["greedy", "levy", "random", "oracle (bound)"]
@@ -260,27 +246,6 @@ def test_the_frontier_names_who_is_on_it_and_where_less_is_better_it_is_turned(
     assert nt90.yaxis_inverted() and not score.yaxis_inverted()
     assert score.get_xscale() == "log"
     assert frontier_picture(Standing.of(Board(made))) is None, "no time was measured"
-
-
-def test_every_policy_has_a_marker_that_can_be_drawn(tmp_path: Path) -> None:
-    """A glyph for a marker is no format string of matplotlib."""
-    names = tuple(policy_names())
-    logs = made_up_study(tmp_path / "study", {"bay": names}, 3, "board")
-    costs = {"bay": tuple(cost("bay", who, 1.0, 1.0 + place) for place, who in enumerate(names))}
-    drawn = frontier_picture(Standing.of(Board(replace(logs, costs=costs))))
-    assert drawn is not None
-    marks = {str(line.get_marker()) for axes in drawn.figure.axes for line in axes.lines}
-    assert marks >= {look.marker for look in policy_styles(names).values()}
-
-
-def test_without_random_or_the_oracle_there_is_no_normalised_score(tmp_path: Path) -> None:
-    logs = made_up_study(tmp_path / "study", {"bay": ("greedy", "levy")}, 3, "board")
-    board = Board(logs)
-    standing = Standing.of(board)
-    assert standing.used == ()
-    table = overall_table(standing)
-    assert {one.cells[0] for one in table.rows} == {NOTHING}
-    assert profiles_picture(board) is not None
 
 
 def test_the_page_says_who_could_not_play_and_why(made: StudyLogs) -> None:

@@ -1,34 +1,29 @@
 """A study's numbers beside the paper's: judged only where they are the same quantity."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 import pytest
 
 from mjforage.mission.setup import Setup
-from mjforage.runs import communication, variants
-from mjforage.runs.selection import FIRST, USUAL, ranks_of, recording_files, selected
-from mjforage.runs.study import Study, Variant, run_study, variant_folder
+from mjforage.runs import variants
+from mjforage.runs.study import Study, run_study
 from mjforage.runs.variants import corrupted_name
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.page.html import environment
-from mjforage.view.page.style import MARKERS, policy_styles
 from mjforage.view.page.table import NOTHING, Number, Row, Table
-from mjforage.view.report import clearing
-from mjforage.view.report.exports import Exports
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import (
     ablation,
     corruption,
-    forest,
     paper,
     write_study_report,
 )
 from mjforage.view.report.studies.as_in_paper import referred
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
-from mjforage.view.report.studies.study_page import opening_sections, study_facts, study_page
+from mjforage.view.report.studies.study_page import opening_sections
 from tests.mjforage.view.report.known_data import Means, cells, known_study
 
 pytestmark = pytest.mark.usefixtures("unprinted")
@@ -108,57 +103,11 @@ def test_our_numbers_stand_beside_the_papers_with_their_difference() -> None:
     assert ours is not None and apart is not None
     assert [ours.value, apart.value] == pytest.approx([97.5, 0.3])
 
-
-def verdicts(table: Table | None) -> dict[str, str]:
+    other = known_study(variants, scenario="published", step=0.25, whole_team=False)
+    table = paper.beside_table(other, corruption.Fits(other))
     assert table is not None
-    place, interval = table.columns.index("within"), table.columns.index("95 % interval")
-    told = (row for row in table.rows if row.cells[interval] != NOTHING)  # few episodes: not all
-    return {row.head: row.cells[place] for row in told}
-
-
-def noted(table: Table | None) -> set[str]:
-    """Heads of the rows under a note on unlike draws."""
-    assert table is not None
-    return {row.head for row in table.rows if row.note == WORDS}
-
-
-def test_slopes_of_another_rule_of_corruption_are_named_and_not_judged(study: Make) -> None:
-    logs = study(False)
-    fits = corruption.Fits(logs)
-    found = verdicts(paper.beside_table(logs, fits))
-    slopes = {head: verdict for head, verdict in found.items() if head.startswith("SS of")}
-    assert len(slopes) == 2
-    for head, verdict in slopes.items():
-        assert verdict == NOTHING, head
-    assert {found[head] for head in found if head not in slopes} <= {"yes", "no"}
-    assert noted(paper.beside_table(logs, fits)) == set(slopes)
-    assert noted(corruption.slopes_table(logs, fits)) == {"greedy"}
-    assert paper.table_4(logs, fits).units == ("", WORDS, WORDS)
-    assert WORDS in corruption.picture(logs, fits, "scouts").caption
-
-
-def test_slopes_of_the_papers_rule_are_judged(study: Make) -> None:
-    logs = study(True)
-    fits = corruption.Fits(logs)
-    assert set(verdicts(paper.beside_table(logs, fits)).values()) <= {"yes", "no"}
-    tables = (paper.beside_table(logs, fits), corruption.slopes_table(logs, fits))
-    assert [noted(table) for table in tables] == [set(), set()]
-    assert paper.table_4(logs, fits).units == ("", "", "")
-    foragers = corruption.picture(logs, fits, "foragers")
-    labels = [axes.get_ylabel() for axes in foragers.figure.axes]
-    assert "The paper's SS of RMSE_columns" in foragers.caption
-    assert any("columns" in label for label in labels), "the figure lacks what its caption tells"
-    assert "p of one line" in corruption.slopes_table(logs, fits).columns
-
-
-def test_the_words_on_corruption_are_of_the_rule_that_was_run(study: Make) -> None:
-    for whole, words in ((True, "once per step for the whole team"), (False, "Each action")):
-        logs = study(whole)
-        assert words in corruption.sections(logs)[0].words
-        options = dict(study_facts(logs))["Options"]
-        assert options == f"step {STEP:g}, " + (
-            "one draw for the whole team" if whole else "a draw per agent"
-        )
+    slopes = [row for row in table.rows if row.head.startswith("SS of")]
+    assert len(slopes) == 2 and {(row.cells[-1], row.note) for row in slopes} == {(NOTHING, WORDS)}
 
 
 def test_another_fleet_has_no_words_on_the_papers_rows(study: Make) -> None:
@@ -188,27 +137,6 @@ def test_hulls_are_not_judged_against_the_papers_world() -> None:
         False,
         False,
     ]
-
-
-def test_a_study_of_few_episodes_says_so_and_has_no_bold_interval(study: Make) -> None:
-    logs = study(False)
-    sections = paper.sections(logs)
-    lead = study_page(logs, sections).lead
-    assert "Intervals from fewer than 10 episodes are too narrow: no difference is bold." in lead
-    for section in (*corruption.sections(logs), *ablation.sections(logs)):
-        assert not any(row.best for table in section.tables for row in table.rows), section.name
-
-
-def test_figures_carry_the_papers_numbers_where_the_tables_do(study: Make) -> None:
-    logs = study(True)
-    assert "Hollow star: the paper's number" in ablation.pictures(logs)[0].caption
-    panel = ablation.pictures(logs)[0].figure.axes[ablation.KEYS.index("pta_c")]
-    stars = {
-        (float(np.ravel(line.get_xdata())[0]), int(np.ravel(line.get_ydata())[0]))
-        for line in panel.lines
-        if line.get_marker() == forest.PAPER
-    }
-    assert stars == {(0.1623, 0), (0.0337, 1)}  # its Table 6: greedy without a scout, a forager
 
 
 @pytest.mark.parametrize(("place", "cut"), [(1, {"before"}), (10, set()), (19, {"after"})])
@@ -258,70 +186,6 @@ def test_who_was_taught_is_marked_wherever_it_is_named() -> None:
         ("ddqn (taught by the planner) · hulls",) * 2,
         ("ddqn-reward",) * 2,
     ]
-
-
-def test_the_page_has_the_scenario_and_the_replays_of_the_whole_fleet(study: Make) -> None:
-    logs = study(True)
-    page = write_study_report(logs.folder).read_text(encoding="utf-8")
-    assert page.index('id="replay"') < page.index('id="run"')
-    assert 'id="figure-scenario"' in page
-    assert (logs.folder / "tables" / "beside.csv").is_file()
-
-
-def test_tables_of_a_study_are_written_for_a_paper(study: Make) -> None:
-    folder = study(True, ("horizon=30",)).folder
-    write_study_report(folder, Exports.of("latex", "pdf"))
-    for file in (folder / "tables").glob("*.tex"):
-        assert "U+" not in file.read_text(encoding="utf-8"), f"{file.name}: a sign has no LaTeX"
-    assert "\\toprule" in (folder / "tables" / "table-5.tex").read_text(encoding="utf-8")
-    assert (folder / "figures" / "corruption-scouts.pdf").is_file()
-
-
-def test_the_scenario_as_it_is_keeps_its_first_median_and_worst_episodes(study: Make) -> None:
-    """Other variants keep the first alone: a study of the paper has 43 of them."""
-    logs = study(True)
-    for variant in logs.runs:
-        folder = variant_folder(logs.folder, variant)
-        rows = logs.runs[variant].episodes.sort("episode")
-        ranks = ranks_of(rows["pta_c"].to_numpy(), rows["length"].to_numpy())
-        wanted = selected(USUAL if variant == variants.COMPLETE else FIRST, ranks)
-        assert tuple(recording_files(folder, "graph", "greedy")) == wanted, variant
-
-
-@pytest.mark.parametrize(
-    ("kind", "made"),
-    [
-        ("parts", variants.parts(load_scenario("published"))),
-        ("ablation", variants.ablation(load_scenario("published"), ["greedy"])),
-        ("communication", communication.communication(load_scenario("comb-port"), ["greedy"])),
-    ],
-)
-def test_the_first_variant_of_a_study_is_the_scenario_as_it_is(
-    kind: str, made: Sequence[Variant]
-) -> None:
-    """Whose replays are on the page and kept in more than one episode."""
-    assert made[0].name == variants.COMPLETE, kind
-
-
-def test_the_page_says_whether_the_map_was_cleared_and_what_horizon_would_do(study: Make) -> None:
-    logs = study(True, ("horizon=30",))
-    section = opening_sections(logs)[2]
-    (table,) = section.tables
-    assert table.rows[0].cells[0] == "0 of 2"
-    assert "scouts 2, foragers 2" in section.words
-    page = write_study_report(logs.folder).read_text(encoding="utf-8")
-    assert page.count(clearing.TITLE) >= 1 and 'href="#clearing"' in page
-    assert "T = 30 steps of 10 s: 5 min" in page
-
-
-def test_subjects_of_a_forest_have_the_markers_of_their_policies(study: Make) -> None:
-    logs = study(True)
-    (look,) = policy_styles(("greedy",)).values()
-    for axes in ablation.pictures(logs)[0].figure.axes[: len(ablation.KEYS)]:
-        dots = [line for line in axes.lines if line.get_color() == look.colour]
-        marked = {line.get_marker() for line in dots} - {"None"}
-        assert marked == {look.marker}
-    assert forest.PAPER not in MARKERS, "a policy would look like the paper"
 
 
 def test_nothing_on_a_page_has_the_anchor_or_the_label_of_another(study: Make) -> None:

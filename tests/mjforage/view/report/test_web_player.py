@@ -66,18 +66,6 @@ def options(part: str, mark: str) -> list[str]:
     return [unescape(word) for word in re.findall(r"<option[^>]*>(.*?)</option>", inside)]
 
 
-def test_the_page_of_one_world(make_run: MakeRun) -> None:
-    policy = "<b onclick=alert(1)>&\"'`x`</script>".replace("/", "")
-    page = write_report(make_run(policies=("greedy", policy), episodes=1)).read_text("utf-8")
-    part = player(page)
-    assert part.count("<canvas tabindex") == 2 and part.count('class="player-panel" hidden') == 1
-    assert 'id="player-beside" aria-pressed="false"' in part
-    assert "<b onclick" not in page
-    assert page.count("<script") == page.count("</script>") == 3
-    data = json.loads(part.split('id="player-data">', 1)[1].split("</script>", 1)[0])
-    assert [entry["policy"] for entry in data["replays"]] == ["greedy", policy]
-
-
 def test_the_player_of_three_worlds(make_run: MakeRun) -> None:
     worlds = ("graph", "hulls", "physics")
     folder = make_run(worlds=worlds, policies=("greedy",), episodes=1)
@@ -151,13 +139,6 @@ def test_another_policy_is_shown_in_the_same_episode_else_in_that_of_the_same_ra
     assert choose(OWN_MEDIANS, 1, "policy", "levy")[0] == 3, "its own worst"
     assert choose(OWN_MEDIANS, 1, "world", "physics")[0] == 6, "the same number and rank"
     assert choose(OWN_MEDIANS, 5, "world", "graph")[0] == 0, "neither: the first"
-
-
-def test_another_run_keeps_the_policy_where_it_has_it() -> None:
-    assert choose(OWN_MEDIANS, 3, "run", 1)[0] == 7
-    place, offered = choose(OWN_MEDIANS, 6, "run", 1)
-    assert place == 7, "neither the world nor the policy is there"
-    assert offered[1:] == [["graph world"], ["levy"], ["episode 0 (first, worst)"]]
 
 
 def test_beside_a_replay_stands_another_run_else_world_else_policy_else_episode() -> None:
@@ -288,14 +269,6 @@ def test_the_browsers_code_reads_what_each_vessel_knows(make_run: MakeRun) -> No
     np.testing.assert_array_equal(
         said["links"][np.lexsort(said["links"].T[::-1])], expected[np.lexsort(expected.T[::-1])]
     )
-
-
-def test_without_a_link_all_know_the_same(make_run: MakeRun) -> None:
-    folder = make_run(policies=("greedy",), episodes=1)
-    said = answers(shown(folder), "graph", np.zeros(1))
-    assert (said["minds"] == said["minds"][:1]).all() and said["links"].size == 0
-    assert (said["knows"] == said["knows"][:1]).all() and said["knows"].any()
-    assert (said["heard"] == np.arange(len(said["heard"]))[:, None, None]).all()
 
 
 def test_the_page_offers_vessels_only_over_a_link(make_run: MakeRun) -> None:
