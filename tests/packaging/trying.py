@@ -37,8 +37,18 @@ EXTRAS = (
 )
 """Modules that an installation without extras lacks."""
 
-WITHOUT = f"import sys; sys.modules.update(dict.fromkeys({EXTRAS}))"
-"""A line of a path file: modules of extras are not to be found, whatever is installed."""
+WITHOUT = f"""
+import sys
+
+class WithoutExtras:
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        if name in {EXTRAS}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+
+sys.meta_path.insert(0, WithoutExtras)
+"""
+"""A module: extras are not to be found after its import, whatever is installed."""
 
 ALL_MODULES = f"""
 import importlib, importlib.metadata, pkgutil, sys
@@ -95,7 +105,9 @@ def sharing(place: Path) -> Path:
     venv.create(place, with_pip=True)
     inside = {"base": str(place), "platbase": str(place)}
     packages = Path(sysconfig.get_path("purelib", "venv", inside))
-    (packages / "libraries.pth").write_text(f"{sysconfig.get_path('purelib')}\n{WITHOUT}\n")
+    (packages / "without_extras.py").write_text(WITHOUT)
+    lines = f"{sysconfig.get_path('purelib')}\nimport without_extras\n"
+    (packages / "libraries.pth").write_text(lines)
     return place / "bin"
 
 
