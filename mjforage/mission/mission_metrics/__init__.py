@@ -1,4 +1,4 @@
-"""The metrics of a mission: one class in one file each, with name, unit, direction and formula.
+"""The metrics of a mission: a class each, with name, unit, direction and formula.
 
 `metric` says what one is, `known` which there are, `scoring` takes them from a batch; every other
 file here holds metrics. A file that is put beside them is found without an edit elsewhere; a class

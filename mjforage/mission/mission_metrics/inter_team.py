@@ -1,9 +1,37 @@
-"""Inter-Team Temporal Lag, by both of its definitions."""
+"""Inter-team metrics: cooperative success, service latency and temporal lag."""
 
 from mjforage import metrics
-from mjforage.mission.mission_metrics.items_achieved import ItemsDiscovered, ItemsRemoved
 from mjforage.mission.mission_metrics.known import metric
 from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric
+from mjforage.mission.mission_metrics.primary import ItemsDiscovered, ItemsRemoved
+
+
+@metric
+class CooperativeSuccess(Metric):
+    """Removed items that a scout had discovered first, of all removed.
+
+    Paper, "Inter-team metrics", CSR; undefined before the first removal.
+    """
+
+    key, label, better, top = "csr", "CSR", 1, 1.0
+
+    def course(self, batch: Batch) -> FloatArray:
+        """(episode, T + 1) so far."""
+        return metrics.csr_series(batch.events, batch.fleet.discoverers, batch.horizon)
+
+
+@metric
+class ServiceLatency(Metric):
+    """Steps from a scout's discovery of an item to its removal, over T.
+
+    Paper, "Inter-team metrics", DSL.
+    """
+
+    key, label, better, compared = "dsl", "DSL", -1, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) mean over the items [of T]."""
+        return metrics.mean_dsl(batch.events, batch.fleet.discoverers, batch.horizon)
 
 
 @metric
