@@ -62,14 +62,6 @@ def test_top_is_north_up_and_almost_without_perspective() -> None:
     assert np.abs(low - high)[:2].max() < 0.01
 
 
-@pytest.mark.parametrize("area", [TALL, WIDE])
-def test_overview_and_top_have_north_up_whatever_the_shape(area: Area) -> None:
-    here = Circumstances(straight_track(0.0), area, ASPECT, 1.0, 0, np.zeros(3))
-    for camera in (cameras.overview, cameras.top):
-        assert camera(here, 0.0).north_rad == pytest.approx(0.0, abs=1e-6)
-    assert cameras.overview(here, 0.0).forward[1] > 0.5
-
-
 @pytest.mark.parametrize(("yaw", "north_deg"), [(0.0, -90.0), (0.5 * np.pi, 0.0), (np.pi, 90.0)])
 def test_north_is_beside_what_a_following_camera_looks_at(yaw: float, north_deg: float) -> None:
     """Eastward, north is to the left."""

@@ -40,15 +40,3 @@ def test_foam_fades_to_its_sides_and_paints_nothing_else() -> None:
     middle = foam[100:121, 150]
     assert (np.diff(middle) <= 0).all() and middle[10] < 150 and middle[-1] == 0
     assert not sheet.texels[..., :4].any()
-
-
-def test_rings_are_rings_and_what_lies_outside_is_cut_off() -> None:
-    sheet = Sheet.blank(AREA, 0.1)
-    at = np.array([[25.0, -10.0], [500.0, 500.0], [10.0, 0.0]])
-    sheet.rings(at, np.full(3, 2.0), np.full(3, 0.4), np.ones(3), RED)
-    cover = sheet.texels[..., 3] / 255.0
-    assert cover[100, 150] == 0.0
-    assert cover[50:150, 100:200].sum() * 0.01 == pytest.approx(2.0 * np.pi * 2.0 * 0.4, rel=0.02)
-    before = sheet.texels.copy()
-    sheet.stroke(LINE - 80.0, np.full(2, 2.0), np.ones(2), RED)
-    np.testing.assert_array_equal(sheet.texels, before)
