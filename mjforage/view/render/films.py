@@ -34,16 +34,6 @@ Progress = Callable[[int, int], None]
 Size = tuple[int | None, int | None]
 
 
-def default_camera(world: str) -> str:
-    """The camera where none is asked for."""
-    return "top" if world == "graph" else "overview"
-
-
-def needs_opengl(world: str, camera: str) -> bool:
-    """Whether MuJoCo draws: everything but the graph world from above, which is plain drawing."""
-    return (world, camera) != ("graph", "top")
-
-
 def render_recording(
     recording: Recording,
     path: Path,
@@ -71,7 +61,8 @@ def render_recording(
         The same episode of another policy, shown to the right of it by the same clock; the one
         that ends earlier stays at its end.
     camera : str, optional
-        overview, chase, top or scout; by default `default_camera`.
+        overview, chase, top or scout; by default top in the graph world, which is plain drawing
+        without OpenGL, else overview.
     follow : str, optional
         Vessel of chase and scout, such as ``foragers_1``.
     seen_by : str
@@ -101,7 +92,7 @@ def render_recording(
         written.
     """
     check_target(path, fps)
-    name = camera or default_camera(recording.world)
+    name = camera or ("top" if recording.world == "graph" else "overview")
     if name not in CAMERAS:
         raise UserError(f"camera {name}: unknown; {nearest(name, CAMERAS)}")
     if speed is None:
@@ -115,7 +106,7 @@ def render_recording(
     times = times[:1] if still else times
     frame_size = _checked_size(size)
     with ExitStack() as opened:
-        if needs_opengl(recording.world, name):
+        if (recording.world, name) != ("graph", "top"):
             detail = _STILL_DETAIL if still else 1
             film = _through_mujoco(shown, frame_size, name, follow, speed, detail, opened)
         else:

@@ -14,7 +14,7 @@ from PIL import Image as PilImage
 from mjforage.base.errors import UserError
 from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import map_film, opengl, render_recording
-from mjforage.view.render.films import default_camera, frame_times, needs_opengl
+from mjforage.view.render.films import frame_times
 from mjforage.view.render.layout import Box, frame_layout
 
 Build = Callable[..., Recording]
@@ -52,21 +52,16 @@ def halves(size: tuple[int, int]) -> tuple[Box, ...]:
     return frame_layout(*size, 2, 14 / 11, 6, charted=False).pictures
 
 
-def test_only_the_graph_world_from_above_is_plain_drawing() -> None:
-    assert default_camera("graph") == "top"
-    assert default_camera("physics") == default_camera("hulls") == "overview"
-    assert not needs_opengl("graph", "top")
-    assert needs_opengl("physics", "top") and needs_opengl("graph", "overview")
-
-
 def test_plain_drawing_needs_no_opengl_and_the_rest_says_so(
     recording: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     monkeypatch.setattr(opengl, "_load", lambda name, file: None)
     assert render_recording(recording, tmp_path / "a.png", size=(480, None)) == 1
-    with pytest.raises(UserError, match="neither EGL nor OSMesa"):
-        render_recording(recording, tmp_path / "b.png", camera="overview")
+    physics = replace(recording, world="physics")
+    for one, camera in ((recording, "overview"), (physics, None), (physics, "top")):
+        with pytest.raises(UserError, match="neither EGL nor OSMesa"):
+            render_recording(one, tmp_path / "b.png", camera=camera)
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
 
 
