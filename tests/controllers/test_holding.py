@@ -30,12 +30,6 @@ def test_station_keeping(name: str, weather: WeatherSettings, noise_m: float) ->
     assert np.sqrt((off**2).mean(axis=0)).max() <= 0.5
 
 
-def test_it_returns_to_its_place() -> None:
-    start = (0.9, -0.9)
-    track = sail(load_vessel("forager"), YAWS, TARGET, 30.0, stay=True, start=start)
-    assert track.off(TARGET)[-1].max() < 0.55
-
-
 def test_in_calm_water_it_lies_still() -> None:
     track = sail(load_vessel("scout"), YAWS, TARGET, 20.0, stay=True)
     assert track.off(TARGET).max() < 0.01

@@ -114,7 +114,7 @@ def test_a_standard_test_prints_its_figures_and_draws(
         ),
         (("otter", "--test", "stop", "--wind", "nan@0"), "--wind nan@0"),
         (
-            ("scout", "--test", "drift", "--wind", "100@0", "--current", "100@200", "--dt", "1"),
+            ("scout", "--test", "drift", "--wind", "100@0", "--current", "100@200"),
             "scout",
         ),
     ],

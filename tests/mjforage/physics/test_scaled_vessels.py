@@ -11,7 +11,6 @@ from mjforage.physics.dynamics import mujoco_dynamics
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.vessels import ForceThruster, Vessel, load_vessel
 from mjforage.physics.worlds import create_mission
-from mjforage.runs.identity import hull_facts
 from mjforage.scenario.scenario import Scale
 from mjforage.scenario.scenario_file import (
     load_scenario,
@@ -119,10 +118,3 @@ def test_a_thrust_below_the_dead_zone_is_refused() -> None:
     numb = replace(vessel, thruster=replace(vessel.thruster, dead_zone_newton=15.0))
     with pytest.raises(UserError, match=r"vessel scout with physics.scale: thruster.dead_zone"):
         scaled(numb, Scale(thrust=0.7))
-
-
-def test_runs_say_with_which_hulls_they_were() -> None:
-    heavy = load_scenario("comb-port", ("physics.scale.mass=1.2",))
-    vessels = hull_facts(Setup.of(heavy), ["graph", "physics"])["vessels"]
-    assert vessels["forager"]["mass_kg"] == pytest.approx(96.0)
-    assert vessels["scout"]["mass_kg"] == pytest.approx(43.2)

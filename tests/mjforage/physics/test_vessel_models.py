@@ -94,13 +94,6 @@ def test_a_decision_takes_a_quarter_turn_and_the_way() -> None:
     assert farther == pytest.approx(100.0 / tuning.cruise_ahead_mps)
 
 
-def test_cross_flow_is_part_of_the_drag() -> None:
-    """1/2 rho Cd T L in sway; in yaw the integral of x^2|x| over the length, L^4 / 32."""
-    half, forager = 0.5 * 1025.0 * 0.195, vessel_model(load_vessel("forager"))
-    assert forager.quadratic_sway == pytest.approx(half * 2.0)
-    assert forager.quadratic_yaw == pytest.approx(40.05 * 10.0 + half * 2.0**4 / 32.0)
-
-
 def test_the_table_of_a_vessel_is_its_tuning() -> None:
     scout = load_vessel("scout")
     assert scout.control is not None

@@ -88,15 +88,6 @@ def test_a_file_of_ones_own_loads(tmp_path: Path) -> None:
     assert raft.control is None
 
 
-def test_forager_is_an_otter_that_its_load_slows() -> None:
-    empty, otter = load_vessel("forager"), load_vessel("otter")
-    assert (empty.mass_kg, empty.linear_surge) == (otter.mass_kg, otter.linear_surge)
-    mass, drag = 100 * empty.load.mass_per_item_kg, 100 * empty.load.drag_per_item
-    assert empty.mass_kg + mass == pytest.approx(100.0)  # payload 45 kg
-    assert empty.quadratic_surge + drag == pytest.approx(60.0)  # collector drag, upper estimate
-    assert otter.load.mass_per_item_kg == otter.load.drag_per_item == 0.0
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -34,11 +34,6 @@ def sightings(sensors: Sensors, polar: list[tuple[float, float]], episode: int =
     return turned
 
 
-def test_an_exact_camera_sees_items_where_they_are() -> None:
-    seen = sightings(EXACT, [(2.0, 0.0), (3.0, 90.0), (4.0, -90.0)])
-    np.testing.assert_allclose(seen[0], [[2.0, 0.0], [0.0, 3.0], [0.0, -4.0]], atol=1e-12)
-
-
 def test_errors_are_of_one_size_and_grow_with_the_square_of_the_range_in_the_line_of_sight() -> (
     None
 ):

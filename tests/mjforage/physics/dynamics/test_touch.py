@@ -85,15 +85,6 @@ def test_a_swinging_bow_hits_with_its_own_speed() -> None:
     assert fastest == pytest.approx([0.5])
 
 
-def test_two_hulls_share_their_closing_speed() -> None:
-    """Head on: 0.3 against 0.2 is 0.5, for both; a third one apart from them has nothing."""
-    rows = ["1111111"]
-    poses = [pose(8.0, 0.0), pose(10.0, 0.0, 180), pose(16.0, 0.0)]
-    hit, fastest = found(poses, [(0.3, 0, 0), (-0.2, 0, 0), (1, 0, 0)], rows)
-    assert hit == [True, True, False]
-    assert fastest == pytest.approx([0.5, 0.5, 0.0])
-
-
 @pytest.mark.parametrize("along", [-0.02, 0.0, 0.02])
 def test_at_a_seam_between_cells_a_straight_quay_is_one(along: float) -> None:
     """The starboard bow slides along a quay at x = 2, over the seam at y = 2 [m].

@@ -11,11 +11,6 @@ TEXT = (models_folder() / "debris.toml").read_text()
 
 
 @pytest.mark.parametrize("kind", CLASSES, ids=lambda kind: kind.name)
-def test_leeway_lies_in_the_published_range(kind: DebrisClass) -> None:
-    assert kind.leeway_low <= kind.leeway <= kind.leeway_high
-
-
-@pytest.mark.parametrize("kind", CLASSES, ids=lambda kind: kind.name)
 def test_response_takes_0_2_to_1_4_s_in_the_default_wind(kind: DebrisClass) -> None:
     assert 0.2 <= kind.response_s(2.0) <= 1.4
 

@@ -6,7 +6,6 @@ import pytest
 
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.vessels import load_vessel
-from tests.mjforage.physics.validation.manoeuvre_checks import steady_turn
 from tests.mjforage.physics.validation.momentum import MomentumVessel, wind_load
 from tests.mjforage.physics.validation.motion_checks import leeway
 
@@ -27,13 +26,6 @@ def test_beam_to_the_wind_it_drifts_at_its_leeway() -> None:
     assert yaw == pytest.approx(0.0, abs=1e-9)
     assert surge == pytest.approx(0.2, abs=1e-3)
     assert sway - 0.1 == pytest.approx(10.0 * leeway(load_vessel("forager"), 10.0), rel=1e-6)
-
-
-def test_it_turns_at_the_balance_of_forces() -> None:
-    otter = load_vessel("otter")
-    hull, most = MomentumVessel(otter, Conditions()), otter.thruster.command_range[1]
-    hull.step(math.sqrt(0.2) * most, math.sqrt(0.6) * most, 90.0)
-    assert hull.state()[3:] == pytest.approx(steady_turn(), rel=1e-4)
 
 
 @pytest.mark.parametrize("port", [1.0, -1.0])

@@ -111,14 +111,6 @@ def test_every_node_keeps_its_water(port: str, share: Share) -> None:
         assert min(np.hypot(*velocity(graph, (x + 0.3, y + 0.2))) for x, y in centres) > 0.0
 
 
-def test_nothing_flows_through_a_section_of_a_closed_basin() -> None:
-    graph = navigation_graph(np.ones((6, 15), np.bool_), PITCH, False)
-    for column in (2.5, 7.0, 11.5):
-        section = [tuple(graph.metres(np.array([row, column]))) for row in (5.5, -0.5)]
-        through, total = flux(graph, section[0], section[1])
-        assert abs(through) < 1e-12 and total > 1.0
-
-
 def test_the_peak_is_one_metre_per_second_counter_clockwise() -> None:
     graph = harbour()
     rng = np.random.default_rng(0)

@@ -120,11 +120,3 @@ def test_statistics_do_not_depend_on_the_time_step(step: float) -> None:
     assert abs(np.corrcoef(draws[0, :, 0], draws[1, :, 0])[0, 1]) < 4 / math.sqrt(keys.size)
     assert abs(np.corrcoef(now[:-1], now[1:])[0, 1]) < error
     assert stats.kstest(now, "norm").pvalue > 0.01
-
-
-def test_the_process_forgets_all_but_the_present() -> None:
-    """Markov: given the present, past and future are uncorrelated."""
-    past, now, later = np.moveaxis(sampled(episode_keys(12, np.arange(20_000)), 1.9, 0.4, 3), -1, 0)
-    ahead = (later - math.exp(-0.4) * now).ravel()
-    behind = (past - math.exp(-0.4) * now).ravel()
-    assert abs(np.corrcoef(ahead, behind)[0, 1]) < 4 / math.sqrt(ahead.size)
