@@ -1,89 +1,14 @@
-"""Environment variables of other people's libraries, which are to matter only where one is used."""
+"""Errors by which other people's libraries refuse environment variables that are set."""
 
-import importlib
 import linecache
 import os
 import re
 import sys
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from itertools import takewhile
 from traceback import walk_tb
 from types import TracebackType
-from typing import TextIO
-
-from mjforage.base.errors import printable
 
 _OURS = ("mjforage", "__main__")
-_COUNT = re.compile(r"[A-Z]+_(NUM|MAX)_THREADS")
-_COUNTS = re.compile(r"[1-9]\d{0,3}(,[1-9]\d{0,3})*")  # OpenMP takes one for each level
-
-
-def mujoco_despite(variable: str = "MUJOCO_GL") -> None:
-    """Import MuJoCo, which refuses to be imported with a variable of another machine.
-
-    The variable stays for whoever draws. Without one nothing is imported.
-    """
-    if not os.environ.get(variable) or "mujoco" in sys.modules:
-        return
-    before = dict(os.environ)
-    try:
-        importlib.import_module("mujoco")
-    except Exception:  # noqa: BLE001  whatever the library says that it should draw with
-        with _aside(variable):
-            importlib.import_module("mujoco")
-        for name in os.environ.keys() - before.keys():  # it sets others on its way
-            del os.environ[name]
-
-
-def matplotlib_despite(variable: str = "MPLBACKEND") -> None:
-    """Import matplotlib, which refuses to be imported with a backend of a notebook elsewhere.
-
-    One that is there is chosen as ever. Without the variable nothing is imported.
-    """
-    backend = os.environ.get(variable)
-    if not backend or "matplotlib" in sys.modules:
-        return
-    with _aside(variable):
-        settings = importlib.import_module("matplotlib").rcParams
-    with suppress(ValueError):
-        settings["backend"] = backend
-
-
-@contextmanager
-def _aside(variable: str) -> Iterator[None]:
-    """Without a variable within the block."""
-    value = os.environ.pop(variable)
-    try:
-        yield
-    finally:
-        os.environ[variable] = value
-
-
-def drop_thread_counts() -> None:
-    """Forget counts of threads that are none, which numba and polars refuse in many lines."""
-    for name, value in list(os.environ.items()):
-        if _COUNT.fullmatch(name) and not _COUNTS.fullmatch(value):
-            del os.environ[name]
-
-
-def shorten_warnings() -> None:
-    """Tell warnings in their first line, as some libraries put a whole traceback into one."""
-    warnings.showwarning = _show_warning
-
-
-def _show_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
-    if stream := file or sys.stderr:
-        first = str(message).strip().partition("\n")[0]
-        stream.write(f"{category.__name__}: {printable(first)}\n")
 
 
 def library_of(error: BaseException) -> str:

@@ -3,6 +3,7 @@
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 
@@ -48,7 +49,7 @@ def bar(words: str, unit: str) -> Iterator[Report]:
     shown = errors.is_interactive
     with Progress(*columns, console=errors, transient=True, disable=not shown) as progress:
         report, task = reporting(progress, unit)
-        with nullcontext() if shown else _lines(lambda: line(words, task)):
+        with nullcontext() if shown else _lines(lambda _: line(words, task)):
             yield report
 
 
@@ -68,20 +69,24 @@ def reporting(progress: Progress, unit: str) -> tuple[Report, Task]:
 @contextmanager
 def working(words: str) -> Iterator[None]:
     """Show that something of unknown length is being done."""
-    with errors.status(words) if errors.is_interactive else _lines(lambda: words):
+    with (
+        errors.status(words)
+        if errors.is_interactive
+        else _lines(lambda spent: f"{words}: {duration(spent)} so far")
+    ):
         yield
 
 
 @contextmanager
-def _lines(text: Callable[[], str], every_s: float = EVERY_S) -> Iterator[None]:
-    """Let a thread print a line every so many seconds."""
-    over = threading.Event()
+def _lines(text: Callable[[float], str], every_s: float = EVERY_S) -> Iterator[None]:
+    """Let a thread print a line every so many seconds, of how long the block has taken."""
+    over, began = threading.Event(), time.monotonic()
 
     def tell() -> None:
         if hasattr(signal, "pthread_sigmask"):  # Ctrl-C is for the main thread, which may hold it
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         while not over.wait(every_s):
-            errors.print(text(), markup=False)
+            errors.print(text(time.monotonic() - began), markup=False)
 
     thread = threading.Thread(target=tell, daemon=True, name="progress")
     thread.start()

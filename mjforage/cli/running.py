@@ -2,14 +2,13 @@
 
 import logging
 import sys
-import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import cyclopts
 from rich.logging import RichHandler
 
-from mjforage.base.environment import drop_thread_counts, library_of, refusal, shorten_warnings
+from mjforage.base.environment import library_of, refusal
 from mjforage.base.errors import UserError, printable
 from mjforage.base.interrupted import CODE as INTERRUPTED
 from mjforage.base.interrupted import WORDS
@@ -29,9 +28,7 @@ def run(arguments: Sequence[str] | None, interrupted: Callable[[], bool]) -> Non
     arguments : by default those of the process
     interrupted : whether Ctrl-C has come, whatever was made of it
     """
-    drop_thread_counts()
-    with forgiving_streams(), warnings.catch_warnings():
-        shorten_warnings()
+    with forgiving_streams():
         logging.basicConfig(
             level=logging.WARNING,
             format="%(message)s",

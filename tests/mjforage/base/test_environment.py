@@ -1,4 +1,4 @@
-"""Variables of other people's libraries matter only where something is drawn."""
+"""What is said of variables that other people's libraries refuse."""
 
 import os
 import subprocess
@@ -8,48 +8,9 @@ from importlib.metadata import version
 import numpy as np
 import pytest
 
-from mjforage.base.environment import drop_thread_counts, refusal
+from mjforage.base.environment import refusal
 from mjforage.base.errors import UserError
 from mjforage.base.registry import trust
-
-IMPORTS = """
-import os
-names = ("MUJOCO_GL", "MPLBACKEND", "PYOPENGL_PLATFORM")
-before = [os.environ.get(name) for name in names]
-import mjforage.runs.evaluate, mjforage.view.report
-import matplotlib, mujoco
-mujoco.MjModel.from_xml_string("<mujoco/>")
-assert [os.environ.get(name) for name in names] == before, "what is set stays for whoever asks"
-"""
-
-
-@pytest.mark.parametrize(
-    "variable",
-    [
-        "MUJOCO_GL=osmesa",
-        "MUJOCO_GL=nonsense",
-        "MPLBACKEND=module://matplotlib_inline.backend_inline",
-        "MPLBACKEND=nonsense",
-        "PYOPENGL_PLATFORM=nonsense",
-    ],
-)
-def test_libraries_are_imported_whatever_they_are_told(variable: str) -> None:
-    name, _, value = variable.partition("=")
-    program = f"import os\nos.environ[{name!r}] = {value!r}\n{IMPORTS}"
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_a_backend_that_is_there_is_chosen() -> None:
-    program = (
-        "import os\nos.environ['MPLBACKEND'] = 'svg'\n"
-        "import mjforage.view.report, matplotlib; print(matplotlib.get_backend())"
-    )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
-    assert done.stdout.strip() == b"svg"
-
 
 REFUSED = """
 import sys
@@ -98,13 +59,3 @@ def test_errors_of_ours_and_without_variables_have_no_such_reason(
     with pytest.raises(np.linalg.LinAlgError) as theirs:
         np.linalg.inv(np.zeros((2, 2)))
     assert refusal(theirs.value) == ""
-
-
-def test_counts_of_threads_that_are_none_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
-    bad = {"NUMBA_NUM_THREADS": "0", "POLARS_MAX_THREADS": "-1", "MKL_NUM_THREADS": "many"}
-    good = {"OMP_NUM_THREADS": "4,2", "OPENBLAS_NUM_THREADS": "1", "USE_THREADS": "no"}
-    for name, value in (bad | good).items():
-        monkeypatch.setenv(name, value)
-    drop_thread_counts()
-    assert not bad.keys() & os.environ.keys()
-    assert {name: os.environ[name] for name in good} == good
