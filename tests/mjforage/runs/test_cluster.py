@@ -1,7 +1,6 @@
 """dask clusters: the same bytes whatever dies, and named errors for what does not fit."""
 
 import os
-import re
 import signal
 import socket
 import subprocess
@@ -14,7 +13,6 @@ from types import SimpleNamespace
 
 import pytest
 
-from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.runs import cluster, variants
 from mjforage.runs.costs import Invocation, load_costs
@@ -209,68 +207,6 @@ def test_a_worker_with_another_scenario_is_named(job: Job) -> None:
     words = refusal(replace(job, scenario_json=job.scenario_json.replace("75.0", "74.0")))
     assert "scenario and hulls have the hash" in words
     assert "give all machines the same files" in words
-
-
-def test_workers_are_one_or_the_other() -> None:
-    with pytest.raises(UserError, match="give one of them"):
-        Workers(2, "tcp://host:1")
-
-
-class KilledWorker(Exception):  # noqa: N818 - as dask calls it
-    pass
-
-
-class Done:
-    """Stands for what dask makes of futures: those that are not pending are handed out."""
-
-    def __init__(self, futures: list[SimpleNamespace], **options: bool) -> None:
-        self.ready = [future for future in futures if future.status != "pending"]
-
-    def has_ready(self) -> bool:
-        return bool(self.ready)
-
-    def __next__(self) -> tuple[SimpleNamespace, object]:
-        future = self.ready.pop(0)
-        return future, future.result
-
-
-@pytest.mark.parametrize(
-    ("status", "ends", "words"),
-    [
-        ("closed", [("pending", None)], "scheduler tcp://host:1: connection lost; start it again"),
-        (
-            "connecting",
-            [("cancelled", None)],
-            "connection lost; start it again, its workers, too, and run",
-        ),
-        (
-            "running",
-            [("error", (KilledWorker, KilledWorker(), None))],
-            "given up by the cluster (it killed several workers, perhaps for want of memory); run",
-        ),
-        (
-            "running",
-            [("finished", None), ("error", (OSError, OSError("no disk\nat all"), None))],
-            "given up by the cluster (OSError: no disk); run the same command again",
-        ),
-        ("running", [("finished", None), ("cancelled", None)], "up by the cluster (cancelled)"),
-    ],
-)
-def test_what_will_never_be_done_ends_the_wait(
-    status: str, ends: list[tuple[str, object]], words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    futures = [SimpleNamespace(key=n, status=s, result=r) for n, (s, r) in enumerate(ends)]
-    client = SimpleNamespace(
-        status=status,
-        loop=None,
-        scheduler=SimpleNamespace(address="tcp://host:1"),
-        map=lambda function, *columns, pure: futures,
-    )
-    monkeypatch.setattr("distributed.as_completed", Done)
-    finished: list[int] = []
-    with pytest.raises(UserError, match=re.escape(words)):
-        finished.extend(place for place, _ in cluster.finished(client, str, [(1,)] * len(ends)))
-    assert finished == [n for n, (end, _) in enumerate(ends) if end == "finished"]
 
 
 def noted(folder: Path, name: str, waits: bool) -> str:
