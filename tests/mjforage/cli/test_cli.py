@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from mjforage import __version__
+from mjforage.bench.running import Rate
 from mjforage.cli.commands import app
 from mjforage.cli.studying import study
 from mjforage.graph_planner.policies import policy_names
@@ -167,11 +168,10 @@ def test_a_shell_completes_commands_and_flags(shell: str, command: Callable[...,
 def test_bench_writes_its_figures(
     command: Callable[..., Any], refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    figures = {
-        "steps": {"value": 1234.6, "quickest": 2345.6, "unit": "steps per s"},
-        "peak_memory": {"value": 5.0, "unit": "MB"},
-    }
-    monkeypatch.setattr("mjforage.bench.running.bench", lambda progress: figures)
+    figures: dict[str, dict[str, Any]]
+    figures = {"steps": {"value": 1234.6, "quickest": 2345.6, "unit": "steps per s"}}
+    found = {key: Rate(**numbers) for key, numbers in figures.items()}
+    monkeypatch.setattr("mjforage.bench.running.bench", lambda progress: found)
     for flag in ("-o", "--out", "--json"):
         told = command("bench", flag, f"figures{flag}.json").out
         assert "1,235" in told

@@ -41,6 +41,7 @@ LACKS = {
 Outcomes = dict[tuple[str, ...], tuple[int, str]]
 PROGRAM = f"""
 import contextlib, io, json, sys
+import scipy.stats  # which looks at sys.modules for torch
 sys.modules.update(dict.fromkeys({BLOCKED}))
 from mjforage.cli import main
 done = []
