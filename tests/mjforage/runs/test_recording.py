@@ -30,9 +30,9 @@ def test_views_and_idleness_are_those_of_the_agents_ways() -> None:
 
 
 def test_each_item_has_the_class_that_its_episode_draws() -> None:
-    classes = ["physics.item_classes=['drifter', 'bag']", "horizon=90", "physics.items=graph"]
+    classes = ["physics.item_classes=['drifter', 'bag']", "horizon=20", "physics.items=graph"]
     setup = Setup.of(load_scenario("comb-port", classes))
-    replay, keys = record(setup, "graph", "greedy", 3, 2), episode_keys(3, np.array([2]))
+    replay, keys = record(setup, "graph", "greedy", 3, 1), episode_keys(3, np.array([1]))
     drawn = draw_classes(keys, setup.create_initial_state(keys).item_node, np.array([4, 2]))[0]
     np.testing.assert_array_equal(replay.item_class, drawn)
     assert not replay.item_present[-1].all(), "those that were taken have theirs too"
