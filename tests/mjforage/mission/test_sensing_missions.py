@@ -27,7 +27,6 @@ EYES = (
     ),
     *("prior.detection=0.7", "prior.half_range_node=3", "prior.false_rate=0.002"),
 )
-EVERYBODY = np.arange(4)
 DISK = ("link.model=disk",)
 
 
@@ -41,14 +40,12 @@ def played(setup: Setup, policy: str, episodes: tuple[int, ...] = (0, 1, 2)) -> 
     mission.reset(5, np.array(episodes))
     mission.run(create_policy(policy))
     entries, state = mission.ledger.entries, mission.state
-    each = np.split(np.arange(len(episodes)), len(episodes))
     return {
         "agent_node": state.agent_node.copy(),
         "distance": state.distance.copy(),
         "discovered": entries.t_discovered.copy(),
         "collected": entries.t_collected.copy(),
         "belief": mission.knowledge.belief.copy(),
-        "in view": np.concatenate([mission.times_seen(EVERYBODY, e) for e in each]),
     }
 
 
@@ -73,6 +70,15 @@ def test_items_that_nobody_has_detected_change_nothing(policy: str) -> None:
     less = played(thinned, policy)
     for name in ("agent_node", "distance", "discovered", "collected", "belief"):
         np.testing.assert_array_equal(less[name], whole[name], err_msg=name)
+
+
+def test_what_is_in_view_in_an_episode_is_told_of_it_alone() -> None:
+    mission, everybody = Mission(setup_of(*EYES)), np.arange(4)
+    mission.reset(5, np.arange(3))
+    whole = mission.times_seen(everybody, np.arange(3))
+    for e in range(3):
+        alone = mission.times_seen(everybody, np.array([e]))
+        np.testing.assert_array_equal(alone[0], whole[e])
 
 
 def test_hulls_look_with_the_same_eyes() -> None:
