@@ -1,4 +1,5 @@
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -7,6 +8,8 @@ from mjforage.bench import decisions, running, workloads
 from mjforage.bench.decisions import decision_times, fleet_setup
 from mjforage.bench.running import Rate, against, bench, rate
 from mjforage.physics.simulation.integrators import Integrator
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 
 HERE = Path(__file__).resolve().parents[3]
 
@@ -26,6 +29,20 @@ def test_every_call_of_a_workload_does_the_same_work(work: object, amount: float
     assert callable(work)
     made = work()
     assert [made(), made()] == [amount, amount]
+
+
+def test_keys_say_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    played: list[Scenario] = []
+
+    def noted(*given: Any) -> Scenario:
+        played.append(load_scenario(*given))
+        return played[-1]
+
+    monkeypatch.setattr(workloads, "load_scenario", noted)
+    for case in ("greedy", "greedy_link", "belief_link", "belief_misses"):
+        workloads.WORKLOADS[f"graph_{case}"].make()
+    found = [(one.link.model, one.sensors.detection) for one in played]
+    assert found == [("ideal", 1.0), ("disk", 1.0), ("disk", 1.0), ("ideal", 0.9)]
 
 
 def test_a_rate_is_the_median_of_slices_and_the_quickest(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,6 +30,11 @@ def scored(seen: Arrays) -> NDArray[np.float64]:
     return found
 
 
+def own_taste(agent: NDArray[np.int64]) -> NDArray[np.float64]:
+    """What each agent (row,) adds to the values of its moves."""
+    return np.sin(5.0 * agent[:, None] + np.arange(9))
+
+
 class InTurn(ModelPolicy):
     def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
         return np.asarray(scored(seen).argmax(axis=-1))
@@ -41,6 +46,9 @@ class AtOnce(InTurn):
 
 class Each(InTurn):
     trained_on = "parallel_env"
+
+    def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
+        return np.asarray((scored(seen) + own_taste(agents)).argmax(axis=-1))
 
 
 class Values(InTurn):
@@ -64,7 +72,13 @@ def parallel() -> list[int]:
     env = mjforage.parallel_env(scenario="comb-port", set=SHORT)
     seen, _ = env.reset(seed=7)
     while env.agents:
-        seen, *_ = env.step({agent: int(scored(one).argmax()) for agent, one in seen.items()})
+        tastes = own_taste(np.array([env.possible_agents.index(agent) for agent in seen]))
+        seen, *_ = env.step(
+            {
+                agent: int((scored(one) + taste).argmax())
+                for (agent, one), taste in zip(seen.items(), tastes, strict=True)
+            }
+        )
     return [int(node) for node in env.core.mission.state.agent_node[0]]
 
 

@@ -46,7 +46,7 @@ def apart(build: Build) -> Recording:
     view = nothing.copy()
     view[:, 10, 2], view[:, 5:8, 9] = 2, 1
     heard = np.tile(np.arange(STEPS + 1, dtype=np.int16)[:, None, None], (1, 2, 2))
-    heard[:, 0, 1] = heard[:, 1, 0] = (0, 1, 1, 1, 1)
+    heard[:, 0, 1], heard[:, 1, 0] = (0, 1, 2, 2, 2), (0, 1, 1, 1, 1)
     pairs = np.zeros((STEPS + 1, 2, 2), np.int16)
     linked, pairs[1, 0, 1] = np.zeros(pairs.shape, np.bool_), 3
     linked[1, 0, 1] = linked[1, 1, 0] = True
@@ -119,6 +119,7 @@ def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Recording
 def test_who_was_last_heard_when(apart: Recording) -> None:
     assert last_heard(apart, 3).tolist() == [3, 3]
     assert last_heard(seen_by(apart, "foragers_0"), 3).tolist() == [1, 3]
+    assert last_heard(seen_by(apart, "scouts_0"), 3).tolist() == [3, 2]
 
 
 @pytest.mark.parametrize(
