@@ -3,15 +3,20 @@
 import numpy as np
 import pytest
 
+from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.belief_planner import late as lt
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import tracks as tr
+from mjforage.graph_planner.belief_planner.beliefs import Beliefs
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.missed_detections import missed_detections
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.view_history import remember, view_history
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import NEVER
+from mjforage.scenario.fleet import Role
+from tests.graph_planner.driver import observation_of, task_of
 
 SEA = navigation_graph(np.ones((12, 30), np.bool_), 1.0, False)
 BOUNDARY = boundary_of(SEA)
@@ -158,3 +163,25 @@ def test_looks_of_one_step_are_shown_together() -> None:
         assert int((glance.last_seen == step).sum()) == 8
         assert (glance.last_seen[glance.last_seen != step] == NEVER).all()
         assert glance.belief[SEA.node_of_cell[5, 6]] == 2, "the larger count of a node"
+
+
+def test_a_late_look_rules_out_what_it_would_have_in_its_own_time() -> None:
+    """Of 13 decisions the fourth shows nothing around a scout, at once or in the last one."""
+    task = task_of(SEA, scouts=Role(1, 2, 3.0, False))
+    beliefs = Beliefs(task, BeliefSettings(), episode_keys(0, np.zeros(2, np.int64)))
+    node = int(SEA.node_of_cell[5, 6])
+    view = task.views.of(node, 0)
+    for step in range(1, 14):
+        seen = observation_of(task, [(5, 6)], step=step, episodes=2)
+        seen.agent_seen[:] = 0
+        seen.last_seen[0, view] = 3 if step > 3 else NEVER
+        if step == 13:
+            shown = np.full((2, 1, view.size), -1, np.int16)
+            shown[1] = 0
+            scans = np.array([[[-1, 0, 0]], [[3, 0, node]]], np.int32)
+            seen = seen._replace(delayed_scans=scans, delayed_shown=shown)
+        for e in range(2):
+            beliefs.learn(seen, e)
+    at_once, late = beliefs.spots.unseen
+    np.testing.assert_allclose(late, at_once)
+    assert (late == 0.0).any()

@@ -65,12 +65,12 @@ def test_a_picture_is_that_of_the_film_pixel_by_pixel(played: Recording) -> None
 
 
 def test_of_environments_side_by_side_each_draws_its_own_episode() -> None:
-    setup, last = Setup.of(load_scenario("comb-port", SHORT)), 10
-    films = [replace(record(setup, "graph", "greedy", seed, 0), policy="") for seed in (5, 6)]
+    setup, last = Setup.of(load_scenario("comb-port", SHORT)), 8  # 4 of 84, 72 of 79 discovered
+    films = [replace(record(setup, "graph", "greedy", seed, 0), policy="") for seed in (3, 4)]
     envs = gymnasium.make_vec(
         "mjforage/Foraging-v0", num_envs=2, set=SHORT, render_mode="rgb_array"
     )
-    envs.reset(seed=5)
+    envs.reset(seed=3)
     for step in range(last):
         envs.step(np.stack([moves_at(film, step) for film in films]))
     for film, drawn in zip(films, envs.render() or (), strict=True):

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from mjforage.view.page.figure import canvas
 
+from mjforage.view.page.figure import canvas
 from mjforage.view.report.map_figures import _fleet
 from tests.mjforage.view.report.made_up_episodes import Plan, made_up_episode
 
