@@ -32,7 +32,8 @@ def scored(seen: Arrays) -> NDArray[np.float64]:
 
 def own_taste(agent: NDArray[np.int64]) -> NDArray[np.float64]:
     """What each agent (row,) adds to the values of its moves."""
-    return np.sin(5.0 * agent[:, None] + np.arange(9))
+    taste: NDArray[np.float64] = np.sin(5.0 * agent[:, None] + np.arange(9))
+    return taste
 
 
 class InTurn(ModelPolicy):
