@@ -40,7 +40,7 @@ def settings(**changes: object) -> Hyperparameters:
 @pytest.mark.parametrize("world", ["graph", "hulls"])
 def test_maps_share_the_episodes(world: str) -> None:
     """Episode i is on map i modulo their number: 3 of 5 on the first, 2 on the second."""
-    first = scenario("period_s=1")  # in which hulls do not get far
+    first = scenario("period_s=3")  # in which hulls do not get far
     pair = [first, placed(first, "harbour:combs:901")]
     options = partial(EnvironmentOptions, world=world)
     found = Evaluation(pair, options, 5).scores(create_policy("greedy"))
