@@ -1,4 +1,4 @@
-"""What every figure shares: the record of one, its canvas, its legend and its files."""
+"""Parts of every figure: its record, canvas, legend and files."""
 
 import io
 import re

@@ -115,7 +115,7 @@ def security(scripts: Sequence[str]) -> str:
 
 
 def _distinct() -> Callable[[str], str]:
-    """What numbers labels that come again on a page: those of landmarks must differ."""
+    """Function that numbers repeated labels of a page: those of landmarks must differ."""
     seen: Counter[str] = Counter()
 
     def label(words: str) -> str:

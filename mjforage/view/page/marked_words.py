@@ -1,4 +1,4 @@
-"""What is marked in the words of tables, captions and notes, whoever sets them."""
+"""Marks in the words of tables, captions and notes."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""How everything drawn looks: colours per policy, line styles per world, and the colour language.
+"""Style of everything drawn: colours per policy, line styles per world, and colours of things.
 
 What is in the world has the same colour in figures, replays, films and plots, all from here: items
 are pale yellow with a dark rim, beliefs indigo, agents have the hue of their role.
@@ -141,7 +141,7 @@ class PolicyStyle:
 
     @property
     def dots(self) -> dict[str, Any]:
-        """What draws its dots without a line between them."""
+        """Keywords of matplotlib for its dots without a line between them."""
         return {"color": self.colour, "marker": self.marker, "linestyle": "none"}
 
 

@@ -10,7 +10,7 @@ NOTHING = "–"
 
 
 class Number(NamedTuple):
-    """What a cell shows, unrounded. NaN is undefined, or not shown in that cell."""
+    """Number of a cell, unrounded. NaN is undefined, or not shown in that cell."""
 
     value: float
     low: float = math.nan  # of its interval
@@ -34,7 +34,7 @@ class Row:
     group_better: int = 0  # of the one that the group names
 
     def number(self, place: int) -> Number | None:
-        """What a cell shows, None for words or where it is not known."""
+        """Number of a cell, None for words or where it is not known."""
         return self.values[place] if self.values else None
 
 

@@ -69,7 +69,7 @@ def _parts(table: Table, place: int) -> tuple[str, ...]:
 
 
 def _csv_cells(number: Number | None, words: str, ends: Sequence[str]) -> Iterator[str]:
-    """What a row has in the columns that one column becomes."""
+    """Cells of a row in the columns that one column becomes."""
     for end in ends:
         if number is None:
             plain = "" if words == NOTHING else words.replace(MINUS, "-")

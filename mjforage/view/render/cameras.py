@@ -38,7 +38,7 @@ class View:
 
     @property
     def north_rad(self) -> float:
-        """Where north is in the picture, clockwise from up; of a view straight down by its up."""
+        """Direction of north in the picture, clockwise from up; looking straight down by `up`."""
         flat = self.forward[:2] if np.hypot(*self.forward[:2]) > 1e-6 else self.up[:2]
         return float(np.arctan2(flat[1], flat[0]) - 0.5 * np.pi)
 
@@ -85,7 +85,7 @@ class Area:
 
 @dataclass(frozen=True, eq=False)
 class Circumstances:
-    """What a camera may look at."""
+    """All that a camera depends on besides the time."""
 
     track: Track
     area: Area  # of the water
@@ -201,7 +201,7 @@ CAMERAS = {
 
 
 def magnified(camera: Camera, area: Area) -> tuple[float, float]:
-    """How much larger than life hulls and debris are drawn, so that they can be seen."""
+    """Factors by which vessels and debris are drawn larger than life, so that they can be seen."""
     if camera.follows:
         return 1.0, _NEAR_ITEMS
     longer = max(area.east - area.west, area.north - area.south)

@@ -32,7 +32,7 @@ from mjforage.view.render.timeline import Timeline
 
 
 class EpisodeView(Protocol):
-    """What draws one episode without a panel."""
+    """View of one episode without a panel."""
 
     @property
     def followed(self) -> int | None:
@@ -42,7 +42,7 @@ class EpisodeView(Protocol):
         """(height, width, 3) at a time [step], at most as large as its room."""
 
     def state(self, time: float) -> PanelState:
-        """What the panel tells of that time."""
+        """State of the panel at that time."""
 
 
 class MapView(Chart):
@@ -118,7 +118,7 @@ class FilmFrame:
         return image
 
     def _about(self, recording: Recording, timeline: Timeline, time: float) -> str:
-        """Which episode it is, or that it is over."""
+        """World and episode, or that it is over."""
         if len(self._recordings) > 1 and time >= timeline.length:
             return f"ended at {mission_clock(timeline.length * recording.period_s)}"
         by = shown_name(recording)

@@ -180,7 +180,7 @@ def _through_mujoco(
     detail: int,
     opened: ExitStack,
 ) -> FilmFrame:
-    """What MuJoCo draws of one episode, or of two side by side; `opened` closes it."""
+    """Frames that MuJoCo draws of one episode, or of two side by side; `opened` closes them."""
     from mjforage.view.render.harbour_view import HarbourView, water_area  # loads MuJoCo
 
     shape = None if CAMERAS[camera].follows else water_area(shown[0]).shape

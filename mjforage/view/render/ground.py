@@ -23,7 +23,7 @@ _SMOOTH = 0.7  # deviation [node]
 
 
 class Ground(NamedTuple):
-    """What does not change in a chart (height, width); colours are 0..255."""
+    """Constant part of a chart (height, width); colours are 0..255."""
 
     land: Field  # (height, width, 3)
     clear: Field  # (height, width, 3) water of idleness 0

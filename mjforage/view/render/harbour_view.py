@@ -132,7 +132,7 @@ class HarbourView:
         return picture
 
     def state(self, time: float) -> PanelState:
-        """What a panel tells of `time` [step] beside the picture."""
+        """State of the panel at `time` [step]."""
         time_s = time * self._recording.period_s
         north_rad = self._camera.view(self._circumstances, time_s).north_rad
         return PanelState(self._notes(time_s), north_rad, self._track.wind_at(time_s))
@@ -188,7 +188,7 @@ class HarbourView:
         self._tags.paint(image, np.where(inside[:, None], places, np.nan), radius)
 
     def _notes(self, time_s: float) -> str:
-        """What a viewer cannot know from the picture."""
+        """Facts that the picture does not show."""
         if self.followed is None:
             return "vessels {:.2g} x, debris {:.2g} x".format(*self._scales)
         way = self._track.way(self.followed, time_s + np.array([-0.5, 0.5]))

@@ -58,7 +58,7 @@ def unit_of(width: int, height: int) -> float:
 
 
 def is_brief(width: float, height: float) -> bool:
-    """Whether a frame is so small that a line of words is all that it has room for."""
+    """True for a frame that has room for one line of words only."""
     return width < _LINE_WIDTH or height < _LINE_HEIGHT
 
 

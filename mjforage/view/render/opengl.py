@@ -25,7 +25,7 @@ PACKAGES = (
     "install Debian's libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6; a graph-level run is "
     "drawn without OpenGL by --camera top"
 )
-_TOLD = (VARIABLE, "PYOPENGL_PLATFORM", "MUJOCO_EGL_DEVICE_ID")  # variables that decide
+_DECIDE = (VARIABLE, "PYOPENGL_PLATFORM", "MUJOCO_EGL_DEVICE_ID")  # variables that decide
 _NAMES = {EGL: "EGL", OSMESA: "OSMesa"}
 _EGL_PLATFORM_DEVICE = 0x313F  # EGL_PLATFORM_DEVICE_EXT of EGL_EXT_platform_device
 _MOST_DEVICES = 16
@@ -53,7 +53,7 @@ def choose_backend() -> str:
 
 
 def egl_works() -> bool:
-    """Whether EGL opens a device without a display, asked as MuJoCo does."""
+    """True if EGL opens a device without a display, asked as MuJoCo does."""
     library = _load("EGL", "libEGL.so.1")
     if library is None:
         return False
@@ -76,7 +76,7 @@ def egl_works() -> bool:
 
 
 def osmesa_works() -> bool:
-    """Whether OSMesa makes a context."""
+    """True if OSMesa makes a context."""
     library = _load("OSMesa", "libOSMesa.so.8")
     if library is None:
         return False
@@ -122,12 +122,12 @@ class Canvas:
         """
         if Canvas._open is not None:
             raise RuntimeError("another canvas is open in this process; close it first")
-        told = _told()
+        chosen = _chosen()
         backend = choose_backend()
         os.environ.setdefault(VARIABLE, backend)
         self.width, self.height = width, height
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
-        self._gl = _context(backend, width, height, told)
+        self._gl = _context(backend, width, height, chosen)
         Canvas._open = self
         try:
             self._gl.make_current()
@@ -135,7 +135,7 @@ class Canvas:
             mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         except (mujoco.FatalError, RuntimeError) as error:
             self.close()
-            raise _failure(backend, error, told) from error
+            raise _failure(backend, error, chosen) from error
         self.about = f"{_NAMES[backend]}, {_driver()}"
         logger.info("OpenGL: %s", self.about)
 
@@ -166,7 +166,7 @@ class Canvas:
         self.close()
 
 
-def _context(backend: str, width: int, height: int, told: str) -> Any:
+def _context(backend: str, width: int, height: int, chosen: str) -> Any:
     """MuJoCo's context of the backend; importing it loads OpenGL."""
     require("drawing in MuJoCo", "OpenGL")
     try:
@@ -176,19 +176,21 @@ def _context(backend: str, width: int, height: int, told: str) -> Any:
             from mujoco.osmesa import GLContext
         return GLContext(width, height)
     except Exception as error:  # OpenGL has many ways to fail
-        raise _failure(backend, error, told) from error
+        raise _failure(backend, error, chosen) from error
 
 
-def _told() -> str:
-    """What the user's environment says of OpenGL, as VARIABLE=VALUE; "" if nothing."""
-    return ", ".join(f"{name}={os.environ[name]}" for name in _TOLD if os.environ.get(name))
+def _chosen() -> str:
+    """OpenGL variables of the user's environment, as VARIABLE=VALUE; "" if none."""
+    return ", ".join(f"{name}={os.environ[name]}" for name in _DECIDE if os.environ.get(name))
 
 
-def _failure(backend: str, error: Exception, told: str) -> UserError:
-    """That a library does not draw here; `told` by the user, perhaps to use another one."""
+def _failure(backend: str, error: Exception, chosen: str) -> UserError:
+    """Error of a library that does not draw here; `chosen` by the user's environment."""
     reason = " ".join(str(error).split())
     words = f"OpenGL: {_NAMES[backend]} fails ({reason}); "
-    return UserError(f"{told}: {words}unset it, or {PACKAGES}" if told else f"{words}{PACKAGES}")
+    return UserError(
+        f"{chosen}: {words}unset it, or {PACKAGES}" if chosen else f"{words}{PACKAGES}"
+    )
 
 
 def _driver() -> str:

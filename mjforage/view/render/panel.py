@@ -30,11 +30,11 @@ _CRISP = (0.0, 1.0, 1.0)  # grown by, edge, alpha
 
 @dataclass(frozen=True)
 class PanelState:
-    """What a panel tells of one time besides the recording.
+    """State of a panel at one time, besides the recording.
 
     Attributes
     ----------
-    notes : what a viewer cannot know from the picture
+    notes : facts that the picture does not show
     north_rad : where north is in the picture, clockwise from up
     wind_mps : (2,) towards east and north, 0 in still air
     """
@@ -88,7 +88,7 @@ def paint_clock(image: Image, box: Box, unit: float, recording: Recording, time:
 
 
 def paint_shares(image: Image, box: Box, unit: float, timeline: Timeline, time: float) -> None:
-    """What is discovered and collected: two bars below each other, 44 units apart."""
+    """Two bars, 44 units apart: shares of items that are discovered and collected."""
     step, items = int(time + 1e-9), len(timeline.discovered)
     found, taken = (int((e <= step).sum()) for e in (timeline.discovered, timeline.removed))
     rows = (
@@ -118,7 +118,7 @@ def _paint_bar(
 
 
 def sign_words(recording: Recording, most: int, drawn: bool) -> list[str]:
-    """What each sign stands for; `drawn` and `most`: see `paint_signs`."""
+    """Meaning of each sign; `drawn` and `most`: see `paint_signs`."""
     idleness = "idleness 0–1" if drawn else "idleness 0–1 (chart)"
     words = ["item, discovered", "item, not yet", f"believed: 1, 2, {most}", idleness]
     if recording.held is not None:
@@ -131,7 +131,7 @@ def sign_words(recording: Recording, most: int, drawn: bool) -> list[str]:
 def paint_signs(
     image: Image, box: Box, unit: float, recording: Recording, most: int, drawn: bool
 ) -> None:
-    """What the marks mean, in as many columns as the box needs.
+    """Signs with their meaning, in as many columns as the box needs.
 
     Parameters
     ----------

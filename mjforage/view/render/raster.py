@@ -103,7 +103,7 @@ def paint_polygon(
 def _stroke_cover(
     height: int, width_px: int, points: Floats, width: Floats, alpha: Floats, soft: float
 ) -> tuple[int, int, NDArray[np.float32]]:
-    """How much a polyline (n, 2) covers each pixel, from a first row and column on.
+    """Cover of each pixel by a polyline (n, 2), from a first row and column on.
 
     `width` [pixel] and `alpha` (n,) vary along it. Overlapping parts take the stronger cover, so
     joints and crossings do not darken. The cover falls to nothing over the part `soft` of the half

@@ -59,5 +59,5 @@ def last_heard(recording: Recording, step: int) -> NDArray[np.int64]:
 
 
 def age_of(recording: Recording, time: float, heard: int) -> str:
-    """How long ago a look of step `heard` was at `time` [step], in words."""
+    """Age at `time` [step] of a scan of step `heard`, in words."""
     return f"{(time - heard) * recording.period_s + 1e-6:.0f} s"

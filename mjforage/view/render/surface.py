@@ -1,4 +1,4 @@
-"""How one pixel of water, sky or harbour gets its colour; compiled, over a whole picture."""
+"""Colours of water, sky and haze over a whole picture, by compiled functions of one pixel."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ Field = NDArray[np.float32]
 
 
 class Drawn(NamedTuple):
-    """What MuJoCo drew."""
+    """Picture and distances that MuJoCo drew."""
 
     image: Image  # (h, w, 3)
     ahead: Field  # (h, w) distance along the view [m], infinite where nothing is

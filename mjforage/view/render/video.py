@@ -73,7 +73,7 @@ def check_target(path: Path, fps: float) -> Writer:
 
 
 def is_numbered(path: Path) -> bool:
-    """Whether `path` takes one file per frame."""
+    """True if `path` takes one file per frame."""
     return path.is_dir() or (
         path.suffix.lower() == ".png" and NUMBERED.search(path.name) is not None
     )

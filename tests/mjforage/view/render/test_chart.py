@@ -28,7 +28,7 @@ def around(image: Image, chart: Chart, rc: tuple[float, float], reach: int) -> I
 
 
 def holds(image: Image, colour: palette.Colour, tolerance: float = 12.0) -> bool:
-    """Whether any pixel is of the colour."""
+    """True if any pixel is of the colour."""
     return bool((np.abs(image.astype(float) - np.array(colour)).max(axis=2) < tolerance).any())
 
 

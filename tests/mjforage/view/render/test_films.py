@@ -143,7 +143,7 @@ def test_each_half_shows_its_own_episode(
 def test_beliefs_of_both_have_one_scale(
     recording: Recording, shorter: Recording, tmp_path: Path
 ) -> None:
-    """What the other believes at most changes how dark a count is drawn in both."""
+    """The largest count of either episode changes how dark a count is drawn in both."""
     belief, other = np.zeros_like(recording.belief), np.zeros_like(shorter.belief)
     belief[:, 3, 4] = 3
     more = other.copy()

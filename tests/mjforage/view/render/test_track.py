@@ -60,7 +60,7 @@ def test_a_way_is_the_vessels_place_at_every_time(build: Build) -> None:
 
 
 def test_discoveries_as_logged_and_removals_give_pta(build: Build) -> None:
-    """What is in view and was missed is not discovered: the log says, not the picture."""
+    """An item in view that was missed is not discovered: the log says, not the picture."""
     recording = build(np.ones((4, 4), np.bool_), steps=3, items=4, agents=(1, 1))
     present, view = np.ones((4, 4), np.bool_), np.ones_like(recording.in_view)
     present[3:, 0] = present[1:, 2] = False
