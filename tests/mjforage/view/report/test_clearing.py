@@ -8,7 +8,6 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.view.report import write_report
 from mjforage.view.report.clearing import UNKNOWN, about, clearing_step, clearing_table
 from mjforage.view.report.run_logs import load_logs
 
@@ -41,14 +40,6 @@ def test_what_stood_still_in_the_last_quarter_tells_no_horizon() -> None:
     assert step([10.0, 75.5, NEVER]) < NEVER, "what was removed in it does"
 
 
-def test_the_estimate_finds_the_pace_of_items_with_a_constant_chance() -> None:
-    """Half of the episodes cut off at 100 are cleared by their median estimate."""
-    removed = np.random.default_rng(1).exponential(60.0, (400, 20))
-    cut = np.where(removed > 100, NEVER, removed)
-    told = np.median([clearing_step(episode, 100) for episode in cut])
-    assert np.mean(removed.max(axis=1) <= told) == pytest.approx(0.5, abs=0.1)
-
-
 @pytest.mark.parametrize(
     ("steps", "shown"), [(8.2, 9), (99.5, 100), (100.6, 110), (457.9, 460), (1234.0, 1300)]
 )
@@ -71,12 +62,3 @@ def test_the_table_counts_episodes_and_tells_times_in_minutes(make_run: MakeRun)
     greedy, levy = table.rows
     assert greedy.cells == ("2 of 4", "1.5", "1.5", "2 of 2", UNKNOWN)
     assert levy.cells == ("0 of 4", "–", "3.0", "4 of 4", UNKNOWN)
-
-
-@pytest.mark.parametrize("horizon", [12, 60])
-def test_the_page_says_whether_the_map_was_cleared(make_run: MakeRun, horizon: int) -> None:
-    folder = make_run(policies=("greedy",), episodes=3, horizon=horizon)
-    page = write_report(folder).read_text("utf-8")
-    all_cleared = clearing_table(load_logs(folder)) is None
-    assert ("Every policy cleared the map in every episode." in page) is all_cleared
-    assert ('id="table-clearing"' in page) is not all_cleared

@@ -58,12 +58,6 @@ def test_a_column_says_which_way_is_better_to_eyes_and_ears() -> None:
     assert "better" not in neither
 
 
-def test_every_head_has_words_and_the_area_that_scrolls_a_name() -> None:
-    page = html_of(TABLE)
-    assert '<th scope="col"><span class="label">policy</span></th>' in page
-    assert 'class="scroll" role="region" tabindex="0" aria-label="Table: Title"' in page
-
-
 def test_every_table_of_the_page_has_the_same_csv_in_it_and_in_the_folder(
     make_run: MakeRun,
 ) -> None:

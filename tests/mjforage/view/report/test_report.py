@@ -14,9 +14,7 @@ import pytest
 from rich.console import Console
 
 from mjforage.base.errors import UserError
-from mjforage.view.page import style
 from mjforage.view.report import terminal_table, write_report
-from mjforage.view.report.run_logs import policy_name
 from tests.mjforage.view.report.made_up_episodes import Plan
 from tests.mjforage.view.report.made_up_runs import build
 
@@ -70,22 +68,6 @@ def reported(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def page(reported: Path) -> str:
     return (reported / "report.html").read_text(encoding="utf-8")
-
-
-def table_rows(page: str, name: str) -> dict[str, list[str]]:
-    """Cells of a table by row head, without markup."""
-    anchor = "table-" + name.removeprefix("table-")
-    block = page.split(f'id="{anchor}"', 1)[1].split("</table>", 1)[0]
-    rows = re.findall(r'<th scope="row">(.*?)</th>(.*?)</tr>', block)
-    plain = {
-        unescape(re.sub(r"<[^>]+>", "", head)): [
-            unescape(re.sub(r"<[^>]+>", "", cell))
-            for cell in re.findall(r"<td[^>]*>(.*?)</td>", cells)
-        ]
-        for head, cells in rows
-    }
-    assert plain
-    return plain
 
 
 def test_every_section_and_figure_is_there(reported: Path, page: str) -> None:
@@ -156,13 +138,6 @@ def test_unusual_runs(make_run: MakeRun, settings: dict[str, Any], phrase: str) 
     words = re.sub(r"data:image/[^\"]+", "", page)
     assert phrase in " ".join(words.split())
     assert not re.search(r"\b(nan|None|inf)\b", words.split("<main>", 1)[1].split("<pre>{", 1)[0])
-
-
-def test_ten_policies(make_run: MakeRun) -> None:
-    shipped = [*list(style.POLICY_COLOURS)[:8], "oracle"]
-    page = written(make_run(policies=("mine", *reversed(shipped)), episodes=2))
-    heads = [policy_name(name, ["oracle"]) for name in (*shipped, "mine")]
-    assert list(table_rows(page, "headline")) == heads and "oracle (bound)" in heads
 
 
 def cut(path: Path) -> None:

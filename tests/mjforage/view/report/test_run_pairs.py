@@ -98,13 +98,6 @@ def test_differences_point_and_are_signed_as_their_metrics_say() -> None:
     assert numbers == [[80.0, 70.0, 10.0], [0.5, 0.625, -0.125]]
 
 
-def test_both_runs_are_in_the_replay_by_name(make_run: MakeRun) -> None:
-    page = write_pair(make_run(), make_run()).read_text("utf-8")
-    data = json.loads(page.split('id="player-data">', 1)[1].split("</script>", 1)[0])
-    assert [run["label"] for run in data["runs"]] == ["run-0", "run-1"]
-    assert {entry["run"] for entry in data["replays"]} == {0, 1}
-
-
 def test_what_differs_between_them_is_told(make_run: MakeRun) -> None:
     def edit(run: dict[str, Any]) -> None:
         run["scenario"]["teams"]["scouts"]["radius"] = 2.5

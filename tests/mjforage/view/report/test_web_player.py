@@ -78,12 +78,6 @@ def test_the_player_of_three_worlds(make_run: MakeRun) -> None:
     assert options(part, 'id="player-follow"')[:2] == ["nobody", "scouts_0"]
 
 
-def test_a_single_episode_has_nothing_to_stand_beside_it(make_run: MakeRun) -> None:
-    template = html.environment().get_template("player/player.html.j2")
-    part = player(template.render(replay=shown(make_run(policies=("greedy",), episodes=1))))
-    assert part.count("<canvas tabindex") == 1 and "player-beside" not in part
-
-
 CHOOSING = """
 const { replays, runs, before: place, level, value } = JSON.parse(process.argv[1]);
 const before = replays[place];

@@ -9,14 +9,12 @@ import pytest
 from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
 from mjforage.runs.episode_recording import Recording
-from mjforage.view.report import write_report
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.web_entry import thinned
-from mjforage.view.report.web_replay import BUDGET, web_replay
+from mjforage.view.report.web_replay import web_replay
 from tests.mjforage.view.report.replay_data import (
     MakeRun,
     entry_of,
-    finer,
     read_layer,
     read_track,
     shown,
@@ -202,24 +200,3 @@ def test_what_each_vessel_knows_follows_what_all_know(make_run: MakeRun) -> None
         last = np.where(seen < 0, 0, seen.astype(int) + 1)
         np.testing.assert_array_equal(read_layer(numbers, shape), last.reshape(shape))
     assert next(numbers, None) is None
-
-
-def test_three_replays_of_three_policies_in_two_worlds_make_a_page_below_5_mb(
-    make_run: MakeRun,
-) -> None:
-    """Of noise, which packs worse than anything that a simulation does."""
-    folder = make_run(
-        worlds=("graph", "physics"),
-        policies=("greedy", "levy", "belief"),
-        kept=(0, 1, 2),
-        horizon=150,
-        shape=(62, 46),
-        items=80,
-    )
-    for path in sorted((folder / "replay").glob("physics-*.npz")):
-        write_bytes(path, finer(Recording.load(path), 0.5, "physics").content())
-    result = shown(folder)
-    texts = [len(entry["text"]) for entry in result.data["replays"]]
-    assert (len(texts), result.left_out) == (18, 0)
-    assert sum(texts) <= BUDGET
-    assert write_report(folder).stat().st_size < 5_000_000
