@@ -1,7 +1,7 @@
-"""Who knows what: what was last seen in each node and when, and where everybody was last received.
+"""Knowledge: what was last seen in each node and when, and where every agent was at its last scan.
 
-A row is what one owner of one episode knows: all that it has received the agents' scans, and
-nothing else. With ideal communication an episode has one owner, and what it knows all agents know.
+A row is what one belief owner of one episode knows: the scans that it has received, and nothing
+else. With ideal communication an episode has one owner, and what it knows all agents know.
 """
 
 from typing import NamedTuple

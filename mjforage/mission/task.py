@@ -173,7 +173,7 @@ class Observation(NamedTuple):
     active: NDArray[np.bool_]  # (row,) False once an episode is over
     step: Int32Array  # (row,) the decision about to be taken, 1 for the first
     keys: NDArray[np.uint64]  # (row,) episode keys, for a policy's own randomness
-    agent_node: Int32Array  # (row, agent) where each was when last received
+    agent_node: Int32Array  # (row, agent) where each was at its last scan received
     energy_left: NDArray[np.float64]  # (row, agent) as of then [node]
     room_left: NDArray[np.int64]  # (row, agent) items it could take aboard, `UNLIMITED` if any
     belief: NDArray[np.int16]  # (row, node) believed items

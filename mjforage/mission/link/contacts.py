@@ -76,7 +76,7 @@ class Contacts(NamedTuple):
 
     @classmethod
     def of(cls, episodes: int, agents: int) -> "Contacts":
-        """Nobody receives anybody yet."""
+        """No contacts yet."""
         each = (episodes, agents, agents)
         return cls(np.full(each, -np.inf), np.zeros(each, np.bool_), np.zeros(each, np.int64))
 
