@@ -1,4 +1,4 @@
-"""Whether forecasts are as sure as they are right: Brier score, its parts, and calibration.
+"""Skill and calibration of forecasts: Brier score, its parts, and calibration.
 
 A forecast f of an event (here: that a node holds an item) is held against what came true, o = 0 or
 1. Forecasts are gathered in bins; what is kept of a bin are four sums, so that those of many steps

@@ -1,4 +1,4 @@
-"""How unlike several maps are: mean products of their smoothed differences from one.
+"""Differences between several maps: mean products of their smoothed differences from one.
 
 The model error of two maps is a quadratic form: with d the differences of their nodes and G the
 filter of `model_error`, the mean of (G d)^2 over the nodes is d' K d with K = G' M G / nodes, M

@@ -1,4 +1,4 @@
-"""How old, how unlike and how dear information is that travels between agents.
+"""Age, differences and cost of information that travels between agents.
 
 A holder is whoever knows a set of observations: an agent, or a group that shares one mind. Ages
 are those of Kaul, Yates and Gruteser 2012, "Real-time status: How often should one update?",

@@ -1,4 +1,4 @@
-"""What a results table shows of one metric."""
+"""The summary of a metric in a results table."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What a batch of episodes leaves behind: trajectories and events."""
+"""The log of a batch of episodes: trajectories and events."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What an episode is before anybody moves: items, drift and starts, from its key alone.
+"""The initial state of an episode: items, drift and starts, from its key alone.
 
 Both dynamics start from the same world, so a graph run and a physics run of one seed differ in
 their dynamics and in nothing else. Positions are (row, column) in node units; node centres are

@@ -165,7 +165,7 @@ def all_targets(
 
 @kernel
 def _has_nan(values: NDArray[np.float64]) -> bool:
-    """Whether any of the preferences (row, agent, move) is NaN."""
+    """True if any of the preferences (row, agent, move) is NaN."""
     found = 0
     for value in values.flat:
         found += value != value

@@ -75,7 +75,7 @@ class Plain:
 
 
 def _is_lent(array: NDArray[Any], kind: "np.dtype[Any]") -> bool:
-    """Whether an array is as a mission lends it, which keeps its numbers sound."""
+    """True if an array is as a mission lends it, which keeps its numbers sound."""
     return array.flags.num & _ASKED == _LENT and array.dtype == kind
 
 

@@ -1,4 +1,4 @@
-"""What a policy is."""
+"""The protocol of policies."""
 
 from typing import Protocol, runtime_checkable
 

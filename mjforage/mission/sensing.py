@@ -1,4 +1,4 @@
-"""What scans miss and invent: which items each agent detects, and false positives.
+"""Imperfect scans: which items each agent detects, and false positives.
 
 The draws are of (item, step), the same for all agents: those that are as far see or miss an item
 together. Ghosts are of (node, epoch). Scenario: `[sensors]`.

@@ -1,4 +1,4 @@
-"""What a policy is told before an episode, and what it sees at every step."""
+"""The task and the observation: a policy's input before an episode and at every step."""
 
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Where bodies are from frame to frame of one episode, for replays."""
+"""Places of bodies from frame to frame of one episode, for replays."""
 
 from typing import TypeVar
 

@@ -1,4 +1,4 @@
-"""Where the shipped data lies: vessels, maps, scenarios and weights."""
+"""The folder of the shipped data: vessels, maps, scenarios and weights."""
 
 from pathlib import Path
 

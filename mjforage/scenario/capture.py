@@ -1,4 +1,4 @@
-"""How surely a hull picks an item up: the file that `mjforage calibrate` writes, and its cells.
+"""Capture probability of a vessel: the file that `mjforage calibrate` writes, and its cells.
 
 A cell is where an item lies when the hull sets out for it: the quays beside it, the bearing off the
 bow and the distance from midships. A hull that stays for an item is no longer where it set out, so

@@ -1,4 +1,4 @@
-"""Who is on the water: roles, teams and the flat agent table that kernels read."""
+"""The fleet: roles, teams and the flat agent table that kernels read."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

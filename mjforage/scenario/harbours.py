@@ -43,12 +43,12 @@ class Harbour(NamedTuple):
 
 
 def is_harbour(reference: str) -> bool:
-    """Whether a reference is of generated harbours, well formed or not, and not of a file."""
+    """True if a reference is of generated harbours, well formed or not, and not of a file."""
     return reference.startswith((ONE, MANY))
 
 
 def is_family(reference: str) -> bool:
-    """Whether a reference is of several generated harbours."""
+    """True if a reference is of several generated harbours."""
     return reference.startswith(MANY)
 
 

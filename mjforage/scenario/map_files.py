@@ -52,7 +52,7 @@ def write_table(cells: NDArray[np.bool_], path: Path) -> None:
 
 
 def is_shipped_map(reference: str) -> bool:
-    """Whether a reference names a map that comes with the package."""
+    """True if a reference names a map that comes with the package."""
     return reference.replace("-", "_") in shipped_maps()
 
 

@@ -1,4 +1,4 @@
-"""What a mission is: frozen dataclasses, one per table of a scenario file.
+"""The schema of a scenario file: frozen dataclasses, one per table of a scenario file.
 
 They are the schema of the file (see `mjforage.scenario.schema`). Sources: paper, sections "Foraging
 Environment" and "Items Dynamics"; numbers of the published code where the paper gives none.
@@ -211,7 +211,7 @@ class Sensors:
 
     @property
     def perfect(self) -> bool:
-        """Whether scans show all that is in view, and nothing else."""
+        """True if scans show all that is in view, and nothing else."""
         detects = self.detection >= 1.0 and not self.half_range_node and not self.detection_table
         return detects and not (self.false_rate or self.merge) and self.fov_deg >= 360.0
 

@@ -1,4 +1,4 @@
-"""What work takes of memory, estimated before it begins: more than the machine has is refused.
+"""Memory that work takes, estimated before it begins: more than the machine has is refused.
 
 Only the arrays that grow with a scenario count; the estimates are good to about a third.
 """

@@ -1,4 +1,4 @@
-"""Where vessels and what was measured of them lie, and which hull every agent has."""
+"""Files of vessels and of their capture models, and the vessel of every agent."""
 
 import difflib
 from pathlib import Path

@@ -82,7 +82,7 @@ def traffic(episodes: int) -> Traffic:
 
 @kernel
 def _garbled(key: np.uint64, step: int, index: int, snr_db: float, size: int) -> bool:
-    """Whether noise garbles a packet."""
+    """True if noise garbles a packet."""
     if snr_db == np.inf:
         return False
     return bool(uniform(stream_key(key, Stream.PACKETS), index, step) < packet_error(snr_db, size))
@@ -98,7 +98,7 @@ def _lacks(
     a: int,
     s: int,
 ) -> bool:
-    """Whether agent j is in contact with agent i and has not received a scan of agent a."""
+    """True if agent j is in contact with agent i and has not received a scan of agent a."""
     return bool(j != i and snr_db[e, i, j] >= 0.0 and received_at[e, j, a, s] < 0)
 
 

@@ -1,4 +1,4 @@
-"""What a radio receives: path loss over distance, walls and water, and what noise garbles.
+"""Radio propagation: path loss over distance, walls and water, and packet errors by noise.
 
 Sources: log-distance and two-ray models, T. S. Rappaport, Wireless Communications (2nd ed., 2002),
 chapter 4; error rate of QPSK, J. G. Proakis, Digital Communications (4th ed., 2001), chapter 5.

@@ -1,4 +1,4 @@
-"""How far a link reaches over open water, for planners that reckon with it."""
+"""The reach of a link over open water, for planners that reckon with it."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Whether a policy's forecasts of where items are come true."""
+"""Skill and calibration of a policy's forecasts of where items are."""
 
 from mjforage import metrics
 from mjforage.mission.mission_metrics.known import metric

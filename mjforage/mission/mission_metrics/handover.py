@@ -27,7 +27,7 @@ def _received_by(
 
 @kernel
 def _shows(link: LinkLog, e: int, s: int, a: int, node: int) -> bool:
-    """Whether agent a's scan at step s shows items in a node."""
+    """True if agent a's scan at step s shows items in a node."""
     viewer, radius = link.scans.node[e, s, a], link.radius_number[a]
     first, nodes = link.views.start[radius, viewer], link.views.nodes
     for i in range(first, link.views.start[radius, viewer + 1]):

@@ -1,4 +1,4 @@
-"""How unlike agents are in what they know; undefined where all share one mind."""
+"""Differences between what agents know; undefined where all share one map."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ class OfHolders(Metric):
 
     @classmethod
     def is_defined(cls, mission: Mission) -> bool:
-        """Whether there are several."""
+        """True if there are several."""
         return mission.exchange.owners > 1
 
     def value(self, batch: Batch) -> FloatArray:

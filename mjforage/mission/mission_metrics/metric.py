@@ -1,4 +1,4 @@
-"""What a metric of a mission is: its name, unit, direction and formula, in one class.
+"""The base of a mission's metrics: its name, unit, direction and formula, in one class.
 
 A metric gives a number per episode. It may also have a course: a number per step, which becomes a
 column of `steps.parquet` and a curve of the report.
@@ -135,17 +135,17 @@ class Metric:
 
     @classmethod
     def is_defined(cls, mission: Mission) -> bool:
-        """Whether a live course means anything in a mission; where not, it is not taken: NaN."""
+        """True if a live course means anything in a mission; where not, it is not taken: NaN."""
         return True
 
     @classmethod
     def is_live(cls) -> bool:
-        """Whether its course is taken while episodes run."""
+        """True if its course is taken while episodes run."""
         return cls.at is not Metric.at
 
     @classmethod
     def has_course(cls) -> bool:
-        """Whether it has a course."""
+        """True if it has a course."""
         return cls.is_live() or cls.course is not Metric.course
 
     @classmethod

@@ -1,4 +1,4 @@
-"""What goes over the links; undefined without a link."""
+"""Traffic over the links; undefined without a link."""
 
 from typing import ClassVar
 
@@ -21,7 +21,7 @@ class Contact(Metric):
 
     @classmethod
     def is_defined(cls, mission: Mission) -> bool:
-        """Whether there is a link."""
+        """True if there is a link."""
         return mission.exchange.link_log is not None
 
     def at(self, view: StepView) -> FloatArray:

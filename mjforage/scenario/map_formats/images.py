@@ -107,7 +107,7 @@ def _grey(values: NDArray[Any], top: int, image: Image.Image, name: str) -> Leve
 
 
 def _is_served(values: NDArray[Any]) -> bool:
-    """Whether an image has the greys that map_server writes, unknown cells among them."""
+    """True if an image has the greys that map_server writes, unknown cells among them."""
     found = set(np.unique(values).tolist())
     return 205 in found and found <= SERVED
 

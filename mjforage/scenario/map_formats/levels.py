@@ -1,4 +1,4 @@
-"""What the formats share: how large a map may be, and numbers of two values as light and dark."""
+"""Parts that the formats share: the largest map, and numbers of two values as light and dark."""
 
 from collections.abc import Callable
 from typing import TypeAlias

@@ -96,14 +96,14 @@ def _without_index(rows: list[_Row]) -> list[_Row]:
 
 
 def _is_header(fields: list[str]) -> bool:
-    """Whether fields are names of columns: words, or a count of them."""
+    """True if fields are names of columns: words, or a count of them."""
     named = [field for field in fields if field]
     words = bool(named) and all(math.isnan(_number(field)) for field in named)
     return words or _counts(fields) or (not fields[0] and _counts(fields[1:], 1))
 
 
 def _counts(fields: Sequence[str], least: int = _COUNTED) -> bool:
-    """Whether fields count on from 0 or 1, by default too far to be cells."""
+    """True if fields count on from 0 or 1, by default too far to be cells."""
     counts = (list(map(str, range(first, first + len(fields)))) for first in (0, 1))
     return len(fields) >= least and list(fields) in counts
 

@@ -1,4 +1,4 @@
-"""What pydantic makes of a schema: the strict validator and the JSON Schema.
+"""pydantic's adapters of a schema: the strict validator and the JSON Schema.
 
 pydantic is imported where a file is read or described, not with the package: it takes 0.2 s.
 """

@@ -1,4 +1,4 @@
-"""What a schema says, in rows: for `--explain`, and for the reference pages of the docs."""
+"""A schema in rows: for `--explain`, and for the reference pages of the docs."""
 
 import difflib
 from collections.abc import Iterator

@@ -62,7 +62,7 @@ def number(node: Tree) -> Tree:
 
 
 def is_quantity(node: Tree) -> bool:
-    """Whether a number stands in a table with its unit and source."""
+    """True if a number stands in a table with its unit and source."""
     return number(node) is not node
 
 
