@@ -102,9 +102,7 @@ def _parts(replay: Recording, stride: int) -> list[Ints]:
 
 def _discovered(replay: Recording) -> Ints:
     """Step of each item's discovery, one past the end if never: (item,)."""
-    never = len(replay.item_present)
-    step = np.full(replay.item_present.shape[1], -1)
-    step = step if replay.t_discovered is None else replay.t_discovered.astype(np.int64)
+    never, step = len(replay.item_present), replay.t_discovered.astype(np.int64)
     return np.where(step < 0, never, np.minimum(step, never))
 
 
