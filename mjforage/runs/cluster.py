@@ -62,6 +62,7 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
 
     for name in [name for name in logging.root.manager.loggerDict if name[:11] == "distributed"]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # lost workers are no news here
+    logging.getLogger("tornado.application").setLevel(logging.CRITICAL)  # nor lost connections
     address: Any = scheduler
     if not scheduler:
         cluster = distributed.LocalCluster(
