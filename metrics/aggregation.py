@@ -106,7 +106,7 @@ def performance_profile(
 
 
 def _times(labels: IntArray, seed: int | list[int], resamples: int) -> FloatArray:
-    """How often each run is drawn in each resample, within its group: (resample, run)."""
+    """Counts of how often each run is drawn in each resample, within its group: (resample, run)."""
     groups = [np.flatnonzero(labels == label) for label in np.unique(labels)]
     rows = [
         np.bincount(picks, minlength=labels.size)
@@ -117,7 +117,7 @@ def _times(labels: IntArray, seed: int | list[int], resamples: int) -> FloatArra
 
 
 def pareto_front(cost: ArrayLike, quality: ArrayLike) -> NDArray[np.bool_]:
-    """Which of several are dominated by none: no other costs no more, is no worse, and differs.
+    """Pareto front: True for those that no other dominates (no dearer, no worse, and different).
 
     Parameters
     ----------

@@ -195,7 +195,7 @@ def _wins(x: IntArray, y: IntArray, size: int) -> FloatArray:
 
 
 def _histograms(ranks: IntArray, size: int) -> IntArray:
-    """How often each rank occurs in each resample, (resample, size)."""
+    """Counts of each rank in each resample, (resample, size)."""
     rows = np.arange(len(ranks))[:, None] * size
     counts = np.bincount((ranks + rows).ravel(), minlength=len(ranks) * size)
     return counts.reshape(len(ranks), size)

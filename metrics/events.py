@@ -15,7 +15,7 @@ NOBODY = -1
 
 @dataclass(frozen=True, eq=False)
 class EventTable:
-    """What happened to each item; any leading axes (policy, episode, ...).
+    """Discovery and collection of each item; any leading axes (policy, episode, ...).
 
     The arrays are copied, checked and made read-only. An item that was collected unseen is
     entered as discovered by its collector at that same time.

@@ -136,7 +136,7 @@ def unlikeness(
     rmse: FloatArray,
     navigable: BoolArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """How unlike the maps of holders are, and how wrong; smoothed as for `model_error`.
+    """Disagreement of the maps of belief owners, and their error; smoothed as for `model_error`.
 
     Parameters
     ----------

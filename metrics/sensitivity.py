@@ -105,7 +105,7 @@ def two_segment_fit(levels: ArrayLike, means: ArrayLike) -> TwoSegments:
 
 @dataclass(frozen=True)
 class BreakTest:
-    """Whether one straight line is enough.
+    """Test whether one straight line is enough.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ _REMEDIES = {
 
 
 def remedy(error: BaseException, otherwise: str = "") -> str:
-    """What helps against an error of the system, by its number.
+    """Remedy for an error of the system, by its number.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def atomic_write(path: Path, *others: type[Exception]) -> Iterator[Path]:
 
 
 def _start(path: Path) -> str:
-    """How temporary names of a file begin; short, so that a long name still has one."""
+    """Prefix of a file's temporary names; short, so that a long name still has one."""
     return f".{path.name[:60]}."
 
 

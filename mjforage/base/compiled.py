@@ -39,7 +39,7 @@ for _kind in ("numba:compile", AWAITED):
 
 
 def compiling() -> bool:
-    """Whether this process compiles a kernel at this moment, or waits for one that does."""
+    """True if this process is compiling a kernel, or waiting for one that is."""
     return _compiling.depth > 0
 
 
@@ -135,7 +135,7 @@ def kernel(function: F) -> F:
 
 
 def kinds_of(value: object, ours: bool = False) -> object:
-    """What tells numba's types of values apart, found out a dozen times faster than those.
+    """Kind of a value, as fine as numba's types, found a dozen times faster.
 
     Of numbers and arrays and tuples of such; of kernels as arguments it would not. For kernels that
     are `ours` it is no difference whether an array may be written, see `_with_read_only`.
@@ -188,7 +188,7 @@ class BoundKernel(Generic[T]):
         return BoundKernel(self._function, *copy.deepcopy(self._fixed, memo))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Where the kernel is and its arguments; another process finds the compiled code itself."""
+        """Import path and arguments of the kernel; other processes find the compiled code."""
         function = cast(Any, self._function)
         return _bound_again, (function.__module__, function.__name__, *self._fixed)
 
@@ -213,4 +213,4 @@ def reassociating(function: F) -> F:
 
 
 TOLERANCE = 1.0 - 1e-9
-"""What a rough sum of terms of one sign is multiplied by to be no larger than the exact one."""
+"""Factor on a rough sum of terms of one sign that makes it no larger than the exact one."""

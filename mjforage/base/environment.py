@@ -18,7 +18,7 @@ def library_of(error: BaseException) -> str:
 
 
 def refusal(error: BaseException) -> str:
-    """What is said of an error by which a library refuses variables that are set.
+    """Message of a library that refuses environment variables.
 
     A variable is meant if the message or the line that raised has its name, or if that begins with
     the library's and the library was being imported, or gave up altogether.

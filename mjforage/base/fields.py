@@ -1,4 +1,4 @@
-"""How a field of a file says what it is, beside its type: range, unit, source.
+"""Marks on the fields of files, beside their types: range, unit, source.
 
 `Annotated[float, Within(0, 1000, "node")]` on a dataclass; the sentence is the docstring under the
 field. These are plain marks. `mjforage.scenario.schema` makes errors, schemas and reference pages
@@ -29,7 +29,7 @@ class Note:
 
 
 def source(words: str) -> Note:
-    """Where the default, or the range, comes from."""
+    """Source of the default, or of the range."""
     return Note("source", words)
 
 

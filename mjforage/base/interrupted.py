@@ -62,7 +62,7 @@ def end_on_ctrl_c() -> None:
 
 
 def _is_ours_to_handle() -> bool:
-    """Whether Ctrl-C comes here and does what it does in any Python."""
+    """True if Ctrl-C comes here and acts as in any Python."""
     main = threading.current_thread() is threading.main_thread()
     return main and signal.getsignal(signal.SIGINT) in (signal.default_int_handler, end_now)
 
@@ -75,7 +75,7 @@ def end_now(*_: Any) -> None:
 
 
 def _importing(frame: FrameType | None) -> bool:
-    """Whether a module is being imported at this moment."""
+    """True if a module is being imported at this moment."""
     while frame is not None:
         if frame.f_code.co_filename == _IMPORTS:
             return True

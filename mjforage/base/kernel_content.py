@@ -16,7 +16,7 @@ Called = tuple[Any, ...]
 
 
 def content(dispatcher: Any) -> str:
-    """What the machine code of a kernel depends on, besides the types of its arguments.
+    """Text on which a kernel's machine code depends, besides the types of its arguments.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def _value(value: Any, called: list[Any]) -> str:
 
 
 def _foreign(function: Callable[..., Any]) -> bool:
-    """Whether a function is of a library, which its version says enough of."""
+    """True if a function is a library's, whose version identifies it well enough."""
     return function.__module__.partition(".")[0] in ("numpy", "numba", "math", "builtins")
 
 

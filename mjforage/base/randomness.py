@@ -42,33 +42,33 @@ class Stream(IntEnum):
     POLICY = 5
     """Whatever a policy draws."""
     CORRUPTION = 6
-    """Which actions are replaced, and by what."""
+    """Actions that are replaced, and their replacements."""
     GUSTS = 7
     """Gusts of the wind, keyed by the level and index of an interval of time."""
     CURRENT = 8
     """Direction and slow wander of the current, the latter keyed like gusts."""
     DETECTION = 9
-    """Whether an item in view is seen, keyed by item and step."""
+    """Detection of an item in view, keyed by item and step."""
     SENSORS = 10
     """Noise of measured positions and headings, keyed by vessel and control tick."""
     CAMERA = 11
     """Errors of items' places in a camera's frame, keyed by vessel, item and control tick."""
     CAPTURE = 12
-    """Whether an item is taken, where that is a matter of chance, keyed by item, agent and step."""
+    """Collection of an item, where that is a matter of chance, keyed by item, agent and step."""
     SHADOWING = 13
     """Shadowing of a link, the same both ways, keyed by pair of agents and step."""
     LOSS = 14
-    """Whether a directed link loses what it carries, keyed by sender, receiver and step."""
+    """Loss of all that a directed link carries, keyed by sender, receiver and step."""
     PACKETS = 15
-    """Whether noise garbles a look, keyed by sender, receiver and look, and by the step sent."""
+    """Loss of a scan to noise, keyed by sender, receiver and scan, and by the step sent."""
     PERSISTENCE = 16
-    """How hard each item is to detect in all steps, keyed by item."""
+    """Difficulty of detecting each item, the same in all steps, keyed by item."""
     GHOSTS = 17
     """Items that are seen and are none, keyed by node and epoch."""
     MERGING = 18
-    """Whether an item beside another is overlooked, keyed by item and step."""
+    """Missed detection of an item beside another, keyed by item and step."""
     VARIANT = 32
-    """Which variant of its scenario an episode of training has."""
+    """Variant of its scenario that an episode of training has."""
     HARBOUR = 33
     """Size and shape of a generated map."""
 

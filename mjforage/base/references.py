@@ -26,7 +26,7 @@ _UNSAFE = re.compile(r"[^A-Za-z0-9_.-]+")
 
 @dataclass(frozen=True)
 class Reference:
-    """Which one, and how.
+    """Reference to a registered part, with its options.
 
     Attributes
     ----------

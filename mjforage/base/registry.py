@@ -41,7 +41,7 @@ def trust(*references: str) -> None:
 
 
 def trusted() -> tuple[str, ...]:
-    """What the user has named so far, for processes that work for this one."""
+    """References that the user has named so far, for processes that work for this one."""
     return tuple(sorted(_TRUSTED))
 
 
@@ -49,7 +49,7 @@ _BROUGHT: dict[str, str] = {}  # package from outside -> what it was imported fo
 
 
 class ImportSpec(NamedTuple):
-    """Where another process finds something: a reference, and the folder to import it from."""
+    """Import path for another process: a reference, and the folder to import it from."""
 
     reference: str  # package.module:Name
     folder: str  # "" for what is installed
@@ -102,11 +102,11 @@ class Registry(Generic[T]):
         return sorted(name for name, made in self._registered.items() if is_ours(made))
 
     def has(self, name: str) -> bool:
-        """Whether a name is registered or installed."""
+        """True if a name is registered or installed."""
         return name in self._registered or name in self._entries
 
     def find(self, name: str) -> T:
-        """What a name without options stands for; one that is registered comes first.
+        """Part of a name without options; a registered one comes first.
 
         The name is the user's own word; one of a file goes through `check_trusted` before.
 
@@ -176,7 +176,7 @@ class Registry(Generic[T]):
         return spelt, made, values
 
     def origin(self, name: str) -> str:
-        """Where a name comes from: a distribution and its version, a module; "" for ours."""
+        """Origin of a name: a distribution and its version, a module; "" for ours."""
         entry = self._entries.get(name) if name not in self._registered else None
         if entry is not None and entry.dist is not None:
             return f"{entry.dist.name} {entry.dist.version}"
@@ -184,7 +184,7 @@ class Registry(Generic[T]):
         return "" if is_ours(made) else str(made.__module__)
 
     def import_specs(self, names: Iterable[str]) -> dict[str, ImportSpec]:
-        """Where another process finds those names that are not ours.
+        """Import paths, for another process, of those names that are not ours.
 
         Raises
         ------
@@ -197,7 +197,7 @@ class Registry(Generic[T]):
         }
 
     def import_spec(self, name: str, made: T) -> ImportSpec:
-        """Where another process finds what has a name here; raises as `import_specs`."""
+        """Import path, for another process, of a named part; raises as `import_specs`."""
         module, path = made.__module__, getattr(made, "__qualname__", "<none>")
         if module == "__main__" or "<" in path:
             raise UserError(
@@ -236,7 +236,7 @@ class Registry(Generic[T]):
 
 
 def is_ours(made: Any) -> bool:
-    """Whether a class or function ships with mjforage."""
+    """True if a class or function ships with mjforage."""
     return getattr(made, "__module__", "").partition(".")[0] == "mjforage"
 
 
@@ -259,7 +259,7 @@ def built(what: str, make: Callable[..., Made], *given: Any, **options: Any) -> 
 
 
 def fault(error: BaseException, package: str = "") -> str:
-    """What a package's code raised, and where: "IndexError: ... (file, line 3)"; "" if not it.
+    """Error of a package's code, with its line: "IndexError: ... (file, line 3)"; "" of other code.
 
     Without a package, by whoever raised it.
     """
@@ -272,7 +272,7 @@ def fault(error: BaseException, package: str = "") -> str:
 
 
 def blamed(error: BaseException) -> str:
-    """What is said of an error in code that was brought from outside: who, what and where.
+    """Message about an error in code from outside: the part, the error and its line.
 
     Empty for an error of anybody else.
     """

@@ -12,12 +12,12 @@ FEWEST_ROWS = 64
 
 
 def rows_worth_keeping(nodes: int, value_bytes: int) -> int:
-    """How many rows of values of so many bytes to keep."""
+    """Number of rows to cache, each of so many nodes with values of so many bytes."""
     return min(nodes, max(FEWEST_ROWS, MEMORY // (value_bytes * nodes)))
 
 
 class RowCache(NamedTuple):
-    """Which row of a table belongs to which node. The oldest row makes room."""
+    """Cache of a table's rows by node. The oldest row makes room."""
 
     slot: NDArray[np.int32]  # (node,) its row, -1 none now
     owner: NDArray[np.int32]  # (row,) the node whose row it is, -1 free

@@ -42,7 +42,7 @@ Work = Callable[[], float]
 
 
 class Workload(NamedTuple):
-    """What is measured."""
+    """Benchmark workload."""
 
     unit: str  # of the work
     make: Callable[[], Work]

@@ -1,4 +1,4 @@
-"""What commands share: the app, the streams, and lists."""
+"""Parts that commands share: the app, the streams, and lists."""
 
 import os
 import sys
@@ -42,7 +42,7 @@ app = cyclopts.App(
 
 
 def _is_terminal(stream: TextIO | None) -> bool:
-    """Whether somebody watches, whatever variables say of colours."""
+    """True if the stream is a terminal, whatever variables say of colours."""
     return stream is not None and stream.isatty()
 
 

@@ -62,7 +62,7 @@ def render(
     start
         Where to begin [simulated s].
     duration
-        How much to show [simulated s]; default to the end.
+        Time to show [simulated s]; default to the end.
     fps
         Frames per second of the film.
     speed

@@ -82,7 +82,7 @@ class Computing:
 
 @dataclass(frozen=True)
 class Resuming:
-    """What to do with what --out holds. Without these, the same run goes on, and no other.
+    """Treatment of an existing --out. Without these, only the same run is resumed.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ def manoeuvre(
     heading
         At the start [degrees counter-clockwise from east].
     duration
-        How long [s]; default the test's own, or 60 s beyond the schedule.
+        Duration [s]; default the test's own, or 60 s beyond the schedule.
     dt
         Step of the integration [s], at most 0.05, RK4 in parts no longer than the thrusters' lag.
     out

@@ -107,7 +107,7 @@ def maps(
         Override KEY=VALUE of a scenario's map, as of evaluate: map.largest_component=true,
         map.corner_cutting=true or map.water=dark; repeatable.
     output_file
-        What to write: a picture, for example port.png, or the map itself as port.csv.
+        File to write: a picture, for example port.png, or the map itself as port.csv.
     """
     from mjforage.base.cached import warn_once
     from mjforage.scenario.harbours import family, is_family

@@ -1,4 +1,4 @@
-"""How far a command has come: a bar on a terminal, elsewhere a line every ten seconds."""
+"""Progress of a command: a bar on a terminal, elsewhere a line every ten seconds."""
 
 import signal
 import sys
@@ -98,7 +98,7 @@ def _lines(text: Callable[[float], str], every_s: float = EVERY_S) -> Iterator[N
 
 
 def line(words: str, task: Task) -> str:
-    """Where a task stands, in a line."""
+    """Progress of a task, in one line."""
     if not task.total:
         return f"{words}: {_end(task)}"
     digits = 0 if float(task.total).is_integer() else 1  # of a minute
@@ -107,7 +107,7 @@ def line(words: str, task: Task) -> str:
 
 
 def _end(task: Task) -> str:
-    """How long it will take, or has taken where that cannot be told."""
+    """Time left, or time spent where that is unknown."""
     compiled = sys.modules.get("mjforage.base.compiled")  # numba is not loaded to find out
     spent = f"{duration(task.elapsed or 0.0)} so far"
     if compiled is not None and compiled.compiling():

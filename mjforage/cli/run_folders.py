@@ -37,7 +37,7 @@ ShownPolicies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What evaluate and compare are told.
+    """Options of evaluate and compare.
 
     Parameters
     ----------

@@ -58,7 +58,7 @@ def _carry_out(arguments: Sequence[str]) -> None:
 
 
 def _words(error: BaseException, arguments: Sequence[str]) -> str:
-    """What is said of an error; "" of one that nobody but us can mend."""
+    """Message of an error; "" of one that only a developer can mend."""
     if isinstance(error, cyclopts.MissingArgumentError):
         return missing(error, arguments)
     if isinstance(error, cyclopts.UnknownOptionError):
@@ -88,7 +88,7 @@ def _of_the_system(error: BaseException) -> OSError | None:
 
 
 def _of_an_extra(error: BaseException, arguments: Sequence[str]) -> str:
-    """What is said of a package that only an extra brings."""
+    """Message about a package that only an extra installs."""
     if not isinstance(error, ModuleNotFoundError):
         return ""
     from mjforage.base.extras import extra_with, how_to_install
@@ -98,7 +98,7 @@ def _of_an_extra(error: BaseException, arguments: Sequence[str]) -> str:
 
 
 def _of_a_part(error: BaseException) -> str:
-    """What is said of an error in code that the user has brought, such as a policy."""
+    """Message about an error in code that the user has brought, such as a policy."""
     extensions = sys.modules.get("mjforage.base.registry")
     return extensions.blamed(error) if extensions is not None else ""
 

@@ -17,7 +17,7 @@ _PLAIN = dict(zip("±−–—…×·°²³µ≥≤→─│", _ASCII.split(), s
 
 
 def _spelt(error: UnicodeError) -> tuple[str, int]:
-    """What an encoding lacks, in letters that all have: an error handler of `codecs`."""
+    """ASCII spelling of letters that an encoding lacks: an error handler of `codecs`."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     letters = error.object[error.start : error.end]

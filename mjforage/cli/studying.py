@@ -43,7 +43,7 @@ INFORMED = ("greedy", "belief", "ddqn")
 
 @dataclass(frozen=True)
 class StudyOptions:
-    """What every study is told.
+    """Options of every study.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class StudyOptions:
 
 @dataclass(frozen=True)
 class Draws:
-    """How teams are corrupted.
+    """Corruption of teams.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def parts(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """What each part of the belief planner is worth, and what wrong assumptions cost it."""
+    """Value of each part of the belief planner, and cost of wrong assumptions."""
     from mjforage.runs import variants
 
     _play("parts", scenario, (), lambda base, _: variants.parts(base), choice, by, again)
@@ -126,7 +126,7 @@ def ablation(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """What an agent of each team is worth: marginal contributions (the paper's Tables 5 and 6)."""
+    """Value of an agent of each team: marginal contributions (the paper's Tables 5 and 6)."""
     from mjforage.runs import variants
 
     _play("ablation", scenario, policy, variants.ablation, choice, by, again)
@@ -144,7 +144,7 @@ def corruption(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """How performance falls as a team's actions become random: sensitivity slopes (CSSC)."""
+    """Performance as a team's actions become random: sensitivity slopes (CSSC)."""
     from mjforage.runs import variants
 
     def varied(base: "Base", players: Sequence[str]) -> "tuple[Variant, ...]":
@@ -185,7 +185,7 @@ def communication(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """What range, quays, latency, losses and budgets of a link take, and what a relay is worth."""
+    """Cost of limited range, quays, latency, losses and budgets of a link, and value of a relay."""
     from mjforage.runs.communication import communication as varied
 
     _play("communication", scenario, policy, varied, choice, by, again)
@@ -202,7 +202,7 @@ def sensing(
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
 ) -> None:
-    """What misses and false alarms take, and what wrong assumptions about them cost the planner."""
+    """Cost of misses and false alarms, and of wrong assumptions about them."""
     from mjforage.runs.sensing import sensing as varied
 
     _play("sensing", scenario, policy, varied, choice, by, again)

@@ -54,7 +54,7 @@ _FLAGS: dict[str, dict[str, Callable[[str], bool]]] = {
 
 
 def unknown(error: cyclopts.UnknownOptionError) -> str:
-    """Which flag is not known, and the near miss, or the command that has it."""
+    """Message about an unknown flag, with the nearest one or the command that has it."""
     flag = (error.token.keyword or error.token.value).partition("=")[0]
     if flag in _FLAGS["report"]:
         return f"Unknown option: {flag}. Give it afterwards: mjforage report FOLDER {flag}"
@@ -82,8 +82,8 @@ def _misspelt(error: cyclopts.MissingArgumentError, given: Sequence[str]) -> str
 
 
 def missing(error: cyclopts.MissingArgumentError, given: Sequence[str]) -> str:
-    """What a command lacks, and what to give by the first sentence of its help; of a flag that was
-    given misspelt, that flag.
+    """Message about a missing argument, with the first sentence of its help; about a misspelt flag
+    if one was given.
     """
     if error.argument is None or error.app is None:
         return str(error)

@@ -26,7 +26,7 @@ _CELLS = len(QUAYS), len(FROM_M), len(FROM_DEG)
 
 
 class Chances(NamedTuple):
-    """How surely each agent takes an item."""
+    """Capture probabilities of each agent."""
 
     first: FloatArray  # (agent, quays, distance, bearing, decision) not taken before
     follow: FloatArray  # (agent, quays) after another one in the same decision
@@ -34,7 +34,7 @@ class Chances(NamedTuple):
 
 
 def chances_of(fleet: Fleet, scenario: Scenario) -> Chances | None:
-    """How surely each agent takes an item, or None where all take everything.
+    """Capture probabilities of each agent, or None where all agents collect everything.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def chances_of(fleet: Fleet, scenario: Scenario) -> Chances | None:
 
 
 def pickup_of(fleet: Fleet, scenario: Scenario) -> Pickup:
-    """What picking up takes the hulls of a fleet, see `usual_capture`; 0 for who collects nothing.
+    """Mean delays of collecting for a fleet, see `usual_capture`; 0 for other agents.
 
     Raises
     ------

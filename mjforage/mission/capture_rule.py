@@ -51,7 +51,7 @@ def capture_cell(east_m: float, north_m: float, yaw: float) -> tuple[int, int]:
 
 @kernel
 def quays_beside(framed: Int32Array, pitch_m: float, row: float, col: float) -> int:
-    """How many quays lie beside an item (row, column) [node]: 0, 1, or 2 that meet."""
+    """Number of quays beside an item (row, column) [node]: 0, 1, or 2 that meet."""
     reach, row, col = BESIDE_M / pitch_m, row + 1.5, col + 1.5
     i, j = int(row), int(col)
     along = framed[int(row - reach), j] < 0 or framed[int(row + reach), j] < 0

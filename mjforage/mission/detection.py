@@ -1,5 +1,5 @@
-"""How likely an item in view is to be detected, by its distance; and what a scan that may miss or
-invent items leaves to expect.
+"""Chance to detect an item in view, by its distance; and the number of items to expect after a scan
+that may miss items or show false positives.
 
 Distances are between the centres of nodes, so chances are listed by squared distance.
 """
@@ -14,7 +14,7 @@ Table = tuple[tuple[float, float], ...]
 
 
 def squares_in_view(task: Task) -> int:
-    """How many squared distances there are in any view of a fleet, from 0."""
+    """Number of squared distances, from 0, in any view of a fleet."""
     height, width = task.graph.shape
     radius = float(task.fleet.radius.max(initial=0.0))
     return int(min(radius * radius + 1e-9, height**2 + width**2)) + 1

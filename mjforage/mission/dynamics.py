@@ -102,7 +102,7 @@ def mean_drift(drift: NDArray[np.float64], left: NDArray[np.bool_]) -> NDArray[n
 
 
 class Dynamics(Protocol):
-    """How a world moves. Batched over episodes; one episode is a batch of one.
+    """Motion of a world. Batched over episodes; one episode is a batch of one.
 
     All items are there at step 0, or never: places that are empty then are padding.
 

@@ -18,7 +18,7 @@ _STATE_TYPES = (
 
 
 class Tracks(NamedTuple):
-    """What is logged of every agent in every step: attributes of `EpisodeLog` of these names."""
+    """Tracks of every agent in every step: attributes of `EpisodeLog` of these names."""
 
     agent_node: NDArray[np.int32]
     agent_rc: NDArray[np.float32]

@@ -19,7 +19,7 @@ from mjforage.mission.task import DelayedScans, Task, no_delayed_scans
 
 
 class LinkLog(NamedTuple):
-    """What went over the links of a batch so far, for metrics. Live views.
+    """Traffic over the links of a batch so far, for metrics. Live views.
 
     Scans that are not received (yet) have a step below 0 or after the end.
     """
@@ -39,7 +39,7 @@ class LinkLog(NamedTuple):
 
 
 class Exchange(Protocol):
-    """What owners receive, and for whom each of them holds it. One exchange serves one mission.
+    """Exchange of scans between belief owners. One exchange serves one mission.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Exchange(Protocol):
 
     @property
     def knowledge(self) -> Knowledge:
-        """What they know, (episode x owner) rows; not to be written to by others."""
+        """Knowledge of all owners, (episode x owner) rows; not to be written to by others."""
         ...
 
     @property
@@ -67,7 +67,7 @@ class Exchange(Protocol):
 
     @property
     def link_log(self) -> LinkLog | None:
-        """What went over its links; None if it has none, or keeps no account."""
+        """Traffic over its links; None if it has no links, or records no traffic."""
         ...
 
     def reset(self, task: Task, scans: Scans, pooled: Knowledge, keys: UInt64Array) -> None:
@@ -101,7 +101,7 @@ class Ideal:
 
     @property
     def knowledge(self) -> Knowledge:
-        """What the fleet knows together."""
+        """Common knowledge of the fleet."""
         return self._lent.of(self._pooled)
 
     def reset(self, task: Task, scans: Scans, pooled: Knowledge, keys: UInt64Array) -> None:

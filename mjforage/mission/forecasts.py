@@ -45,7 +45,7 @@ def _add(
 
 
 class Forecasts:
-    """How a batch of episodes came true so far."""
+    """Calibration sums of the forecasts of a batch of episodes so far."""
 
     def __init__(self, episodes: int) -> None:
         self._by_row = np.zeros((episodes, 1, metrics.BINS, 4))  # (episode, owner, bin, 4)

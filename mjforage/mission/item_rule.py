@@ -29,7 +29,7 @@ _AHEAD = 1.0 - 1e-6  # [node] of both offsets together, with room for rounding
 
 
 class Surroundings(NamedTuple):
-    """What the items of a batch meet."""
+    """Conditions that act on the items of a batch."""
 
     collects: NDArray[np.bool_]  # (agent,)
     room_left: NDArray[np.int64]  # (episode, agent) items

@@ -16,7 +16,7 @@ from mjforage.mission.task import NEVER
 
 
 class Scans(NamedTuple):
-    """What all agents see and say of themselves at the end of a step. Live views."""
+    """Scans and states of all agents at the end of a step. Live views."""
 
     active: NDArray[np.bool_]  # (episode,) whose step it was; nobody scans in the others
     step: Int32Array  # (episode,)
@@ -39,7 +39,7 @@ _TYPES = ("?", "i4", "i4", "i2", "i2", "f8", "i8", "i8", "i1", "f8")  # of its f
 
 
 class Knowledge(NamedTuple):
-    """What owners know. Row `episode * owners + owner` of every array."""
+    """Knowledge of the owners. Row `episode * owners + owner` of every array."""
 
     belief: NDArray[np.int16]  # (row, node) items when the node was last seen
     last_seen: NDArray[np.int16]  # (row, node) step, NEVER if not yet

@@ -143,7 +143,7 @@ class Mission(ReadOnlyViews):
         return np.where(alone, agent, np.int32(-1)).astype(np.int32)
 
     def _scans(self) -> Scans:
-        """What all agents see now and say of themselves."""
+        """Scans and states of all agents now."""
         return Scans(
             active=self.active,
             step=self.step,
@@ -174,7 +174,7 @@ class Mission(ReadOnlyViews):
 
     @property
     def moves(self) -> Moves | None:
-        """What the last decision came to; None before the first."""
+        """Moves of the last decision; None before the first."""
         return None if self._moves is None else read_only(self._moves)
 
     def replace_episodes(self, rows: NDArray[np.int64], other: "Mission") -> None:
@@ -224,19 +224,19 @@ class Mission(ReadOnlyViews):
         return taken_by(self._state.collected_by, self._state.agent_node.shape[1])
 
     def _fill_stores(self) -> None:
-        """What every agent starts with, for as many episodes as there are."""
+        """Set the energy and room of every agent at the start, for all episodes."""
         fleet, episodes = self.setup.fleet, (self.keys.size, 1)
         self._full_energy = read_only(np.tile(fleet.energy, episodes))
         self._full_room = read_only(np.tile(fleet.capacity, episodes))
 
     @property
     def observation(self) -> Observation:
-        """What the fleet knows together before the next decision: one row per episode."""
+        """Common knowledge of the fleet before the next decision: one row per episode."""
         return self._observed(self.knowledge, self._no_delayed, 1)
 
     @property
     def held(self) -> Observation:
-        """What those who decide know before the next decision: (episode x owner) rows."""
+        """Knowledge of the owners before the next decision: (episode x owner) rows."""
         exchange = self.exchange
         knowledge = self._lent_held.of(exchange.knowledge)
         return self._observed(knowledge, exchange.delayed, exchange.owners)
@@ -253,7 +253,7 @@ class Mission(ReadOnlyViews):
 
     @property
     def truth(self) -> GroundTruth:
-        """What no policy may see but a bound."""
+        """Ground truth, which no policy may see but an oracle bound."""
         state = self.state
         drift = self._dynamics.drift_rc(state.item_rc, items=True)
         mean = mean_drift(drift, state.item_node >= 0)

@@ -21,7 +21,7 @@ from mjforage.scenario.fleet import Fleet
 
 @dataclass(frozen=True)
 class MoveRules:
-    """What a fleet may do in one decision.
+    """Moves that a fleet may make in one decision.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Corruption(NamedTuple):
 
 
 class Movers(NamedTuple):
-    """What agents can do in a decision, and who chooses before whom."""
+    """Moves of the agents in a decision, and the order in which they choose."""
 
     neighbours: Int32Array  # (node, 8), -1 where there is no edge
     moves: NDArray[np.int64]  # (agent,) nodes per decision
@@ -60,7 +60,7 @@ class Movers(NamedTuple):
 
 
 class Ask(NamedTuple):
-    """What a batch of decisions is resolved from, see `Resolver`."""
+    """Inputs of a batch of decisions, see `Resolver`."""
 
     active: NDArray[np.bool_]  # (episode,)
     preferences: NDArray[np.float64]  # (episode, agent, 9)
@@ -104,7 +104,7 @@ def free_move(
     stay: bool,
     shorten: bool,
 ) -> tuple[int, int]:
-    """Where a move ends and how many nodes it covers; (-1, 0) if it is illegal.
+    """End node of a move and the number of nodes that it covers; (-1, 0) if it is illegal.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def _targets(
 def all_targets(
     graph: NavigationGraph, moves: NDArray[np.int64], rules: MoveRules
 ) -> tuple[NDArray[np.int64], Int32Array]:
-    """Where each move ends with nobody in the way.
+    """End node of each move with no other agent in the way.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ _EDGE = 1e-9  # of the cosine at which a field of view ends
 
 
 class Sensing(NamedTuple):
-    """How a batch of fleets sees where scans are not perfect."""
+    """Imperfect sensing of a batch of fleets."""
 
     chance: NDArray[np.float64]  # (square,) to detect an item, by squared distance
     share: NDArray[np.float64]  # (episode, item) by which that is multiplied
@@ -48,7 +48,7 @@ def detection_chances(sensors: Sensors, task: Task) -> NDArray[np.float64]:
 
 
 def persistent_shares(sensors: Sensors, keys: UInt64Array, items: int) -> NDArray[np.float64]:
-    """How much harder or easier each item is to detect than the mean: (episode, item).
+    """Factors on the chance to detect each item: (episode, item).
 
     p_k of a beta distribution of mean p and a + b = 1 / rho - 1, over p: the correlation of
     detecting an item in two steps is rho.
@@ -73,7 +73,7 @@ def _draws(keys: UInt64Array, items: int) -> NDArray[np.float64]:
 
 
 def sensing(sensors: Sensors, task: Task, keys: UInt64Array, items: int) -> Sensing:
-    """How a batch of episodes (keys) of at most so many items is seen."""
+    """Sensing of a batch of episodes (keys), each of at most `items` items."""
     return Sensing(
         chance=detection_chances(sensors, task),
         share=persistent_shares(sensors, keys, items),
@@ -90,7 +90,7 @@ def sensing(sensors: Sensors, task: Task, keys: UInt64Array, items: int) -> Sens
 
 
 def map_filter(scenario: Scenario, task: Task, rows: int) -> MapFilter:
-    """What so many rows of knowledge make of counts; of size 0 if they believe the last one."""
+    """Filter of counts for `rows` rows of knowledge; of size 0 if they believe the last scan."""
     nodes, sensors = len(task.graph), scenario.sensors
     weighs = sensors.map == "filtered" and not sensors.perfect
     prior, kept = scenario.items.mean / nodes, rows if weighs else 0

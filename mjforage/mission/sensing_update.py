@@ -18,7 +18,7 @@ from mjforage.scenario.scenario import Sensors
 
 
 class SensorConfig(NamedTuple):
-    """How a fleet scans, and in which episodes."""
+    """Sensor configuration of a fleet, and the episodes' keys."""
 
     views: NodeLists
     radius_number: NDArray[np.int64]  # (agent,) which list of `views`

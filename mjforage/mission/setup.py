@@ -125,7 +125,7 @@ class Setup:
 
     @cached_property
     def task(self) -> Task:
-        """What policies are told."""
+        """Task of the policies."""
         scenario, rules = self.scenario, self.scenario.rules
         moves = MoveRules(rules.stay, rules.shorten)
         about = scenario.horizon, scenario.prior, rules.walls

@@ -41,12 +41,12 @@ class TaskArrays(NamedTuple):
 
 IDLE, TAKEN, MISSED, UNREACHABLE = 0, 1, 2, 3
 PICKUPS = ("", "taken", "missed", "unreachable")
-"""How a period of picking up ended for an agent: nothing was sought, at least one item was taken,
-one was sought in vain, one was given up after two attempts."""
+"""Results of a period of collecting, by agent: no item was sought, at least one item was collected,
+an item was sought in vain, an item was given up after two attempts."""
 
 
 class Pickup(NamedTuple):
-    """What picking up takes hulls, in decisions beyond the one in which they arrive; means."""
+    """Mean delays of collecting, in decisions beyond the one in which a vessel arrives."""
 
     first: NDArray[np.float64]  # (agent, quays, quarter) by quays beside the item, 0 to 2, and by
     # its bearing off the bow as the hull sets out from the next node, in quarters of half a circle
@@ -157,12 +157,12 @@ class DelayedScans(NamedTuple):
 
 
 def no_delayed_scans(rows: int) -> DelayedScans:
-    """What is received late over an ideal link: no scans."""
+    """No delayed scans, as over an ideal link."""
     return DelayedScans(np.zeros((rows, 0, 3), np.int32), np.zeros((rows, 0, 0), np.int16))
 
 
 class Observation(NamedTuple):
-    """What is known and the time, in one row per owner of knowledge, which decides for all agents.
+    """Belief and time, in one row per belief owner, which decides for all agents.
 
     With ideal communication an episode is one row, and what it knows the fleet knows together;
     otherwise each owner has a row, and its answer counts for the agents that act by it.
@@ -195,7 +195,7 @@ class Observation(NamedTuple):
 
 
 class GroundTruth(NamedTuple):
-    """Where the items are and how they drift: for bounds only, never for a policy in a comparison.
+    """Positions and drift of the items: for oracle bounds only, not for compared policies.
 
     Live, read-only views, like an observation.
     """

@@ -178,7 +178,7 @@ class Control:
     hold_integral_s: Annotated[float, positive("s", 1e4)]
     """Integral time of keeping position."""
     hold_radius_m: Annotated[float, positive("m", 1e3)]
-    """How far beside its place a vessel may lie before it turns."""
+    """Distance from the place to keep beyond which a vessel turns towards it."""
     clearance_m: Annotated[float, Quantity("m", 0.0, 1e3)]
     """Distance to keep to other vessels and quays."""
     filter_s: Annotated[float, Quantity("s", 0.0, 1e3)]
@@ -200,7 +200,7 @@ class Vessel:
 
     name: Annotated[str, NotInFile()]
     description: str
-    """What the vessel is, in a line."""
+    """Kind of vessel, in one line."""
     length_m: Annotated[float, positive("m", 1e3)]
     """Length of the vessel."""
     beam_m: Annotated[float, positive("m", 1e3)]

@@ -47,7 +47,7 @@ class Axis:
         return tuple(sorted({point.value for line in self.lines.values() for point in line}))
 
     def place(self, value: float) -> float:
-        """Where a value stands along the axis."""
+        """Position of a value along the axis."""
         return float(self.values.index(value)) if self.even else value
 
     def tick(self, value: float) -> str:

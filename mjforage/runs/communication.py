@@ -124,7 +124,7 @@ AXES = (
         against="relay-nobody",
     ),
 )
-"""What is varied; every point replaces the scenario's own link."""
+"""Axes of the study; every point replaces the scenario's own link."""
 
 
 def ideal(scenario: Scenario) -> Scenario:

@@ -21,7 +21,7 @@ class Invocation:
 
 @dataclass(frozen=True)
 class Cost:
-    """What one chunk took, and who played it: one flat record of `costs.json`."""
+    """Computing time of one chunk, and its worker: one flat record of `costs.json`."""
 
     __pydantic_config__ = OPEN
 
@@ -44,7 +44,7 @@ class Cost:
     started: str
     """When the command was given, ISO 8601 with microseconds."""
     how: str
-    """Who computed: processes, local dask cluster, ..."""
+    """Kind of workers: processes, local dask cluster, ..."""
     workers: int
     """Workers when the command was given."""
     decide_s: Annotated[float, Note("unit", "s")] = 0.0

@@ -35,7 +35,7 @@ class Course:
 
 
 def _parted(text: str) -> tuple[str, str, str]:
-    """What a course is of, its world, and how the world is spelled after a name.
+    """Scenario of a course, its world, and the world's suffix after a name.
 
     Raises
     ------

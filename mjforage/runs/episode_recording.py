@@ -22,7 +22,7 @@ _DAMAGED = (
     *(OSError, ValueError, TypeError, LookupError, EOFError, SyntaxError, RuntimeError),
     *(MemoryError, zipfile.BadZipFile, zlib.error, tokenize.TokenError),
 )
-"""What zipfile and numpy raise on damaged files."""
+"""Errors that zipfile and numpy raise on damaged files."""
 _AXES = {
     "navigable": "rc",
     "agent_team": "a",
@@ -80,7 +80,7 @@ class Recording:
     seed: int = 0
     episode: int = 0
     held: KnowledgeRecord | None = None
-    """What each agent itself knows; None where all know all."""
+    """Knowledge of each agent; None where all agents know everything."""
 
     @property
     def labels(self) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ DECISIVE = (
     *("base", "metrics", "controllers", "graph_planner"),
     *("scenario", "mission", "physics", "runs/tables.py"),
 )
-"""What of our package decides the numbers of a run; the rest draws, stores or talks."""
+"""Parts of our package that decide the numbers of a run; the rest draws, stores or prints."""
 COMPUTING = ("numpy", "numba", "scipy", "mujoco", "ortools", "torch", "torchrl")
 """Libraries whose version may change a number."""
 USUAL = ("numpy", "numba", "scipy")  # of them, those that every run uses
@@ -27,7 +27,7 @@ _SUFFIXES = (".py", ".so", ".pyd")
 
 
 class Code(NamedTuple):
-    """What decides numbers, as `run.json` keeps it."""
+    """Fingerprint of the code that decides numbers, as in `run.json`."""
 
     hashes: dict[str, str]  # package or module -> hash of its files
     versions: dict[str, str]  # distribution -> version

@@ -1,4 +1,4 @@
-"""What is checked of a folder that may be anybody's, before anything in it is read or written."""
+"""Checks of a folder of unknown origin, before anything in it is read or written."""
 
 import os
 import re

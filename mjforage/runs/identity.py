@@ -1,4 +1,4 @@
-"""What a run is: the content of `run.json`, whose hash every worker must agree with."""
+"""Identity of a run: the content of `run.json`, whose hash every worker must agree with."""
 
 import hashlib
 import platform

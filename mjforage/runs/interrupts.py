@@ -1,4 +1,4 @@
-"""What Ctrl-C does, and keeping worker processes quiet when they are stopped or replaced."""
+"""Handling of Ctrl-C, and of messages of worker processes that are stopped or replaced."""
 
 import logging
 import signal

@@ -1,4 +1,4 @@
-"""What a worker is given and does: a chunk of episodes of a run, or an episode to be recorded.
+"""Job of a worker: a chunk of episodes of a run, or an episode to be recorded.
 
 A job is what all chunks of a run share. The map travels with it, so that every chunk is of the map
 that `run.json` holds. Workers on other machines write into the same run folder, which all share.
@@ -49,7 +49,7 @@ PARENT_CHECK_S = 1.0
 
 @dataclass(frozen=True)
 class Job:
-    """What all chunks of a run have in common, in a form that hashes and travels."""
+    """Common part of all chunks of a run, in a form that hashes and travels."""
 
     scenario_json: str
     map_name: str
@@ -166,7 +166,7 @@ def _die_with(parent: int) -> None:
 
 
 def is_recorded(folder: Path, one: Episode) -> bool:
-    """Whether a run folder holds an episode's recording, whole.
+    """True if a run folder holds a complete recording of an episode.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""What each agent itself knows in an episode over a link, and what the link did, step by step.
+"""Knowledge of each agent in an episode over a link, and the link's log, step by step.
 
-Maps are kept by what changes in them: a look renews some ten nodes of a map of thousands.
+Maps are stored as changes: a scan renews some ten nodes of a map of thousands.
 """
 
 from collections.abc import Mapping
@@ -47,7 +47,7 @@ class KnowledgeRecord:
     shown: int = ALL  # agent by whose map the episode is drawn; not kept in a file
 
     def maps(self, agent: int, cells: int) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
-        """What an agent believes, and the steps of the looks that say so: (T'+1, cell) both.
+        """Map of an agent, and the steps of the scans it comes from: (T'+1, cell) both.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Which chunks a run is computed in: those that its folder holds, and new ones between them."""
+"""Chunks of a run: those that its folder holds, and new ones between them."""
 
 import contextlib
 from bisect import bisect_right

@@ -71,7 +71,7 @@ def read_parquet(
 
 
 def count_rows(path: Path, remedy: str = "") -> int:
-    """How many rows a table says that it has, of which none is read; raises as `collected`."""
+    """Number of rows in a table's footer, without reading a row; raises as `collected`."""
     return int(collected(path, pl.scan_parquet(path, glob=False).select(pl.len()), remedy).item())
 
 

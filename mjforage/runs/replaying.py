@@ -88,7 +88,7 @@ def _setup(run: RunInfo, policy: str, where: str) -> Setup:
 
 
 def as_logged(recording: Recording, run: RunFolder) -> bool:
-    """Whether the agents' positions are those of the log, to the bit.
+    """True if the agents' positions are those of the log, to the bit.
 
     Raises
     ------

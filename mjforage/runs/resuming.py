@@ -1,7 +1,7 @@
-"""Whether a folder holds the run that is asked for: what differs, and what may be done about it.
+"""Comparison of the run in a folder with the requested one, and the ways to go on.
 
-What decides the numbers is compared, no more and no less. A change of code or of a library's
-version alone may be accepted; it is then noted in the folder's file, and what was computed stays.
+Only what decides the numbers is compared. A change of code or of a library's version alone may be
+accepted; it is then noted in the folder's file, and the computed results stay.
 """
 
 import json
@@ -27,15 +27,15 @@ GROWS = "episodes"
 UNCOMPARED = ("mjforage", "python")
 """Versions that are kept to be read: of mjforage the code counts, Python computes no number."""
 Resume = Literal["same", "fresh", "accept-code-change"]
-"""What to do with a folder that holds a run: go on with the same one only, keep the old folder
-aside and begin anew, or go on although code or versions differ."""
+"""Treatment of a folder that holds a run: resume the same one only, keep the old folder aside and
+begin anew, or resume although code or versions differ."""
 _logger = logging.getLogger(__name__)
 _LONGEST = 60  # characters of a value in a message
 _NAMED = 3  # differences in a message
 
 
 class Difference(NamedTuple):
-    """Where a folder's run is another one."""
+    """Difference between the run in a folder and the requested one."""
 
     key: str  # of the file
     words: str
@@ -44,7 +44,7 @@ class Difference(NamedTuple):
 def differences(
     there: Mapping[str, Any], here: Mapping[str, Any], keys: Iterable[str]
 ) -> list[Difference]:
-    """What differs between a folder's file and what is asked for, in the order of the keys.
+    """Differences between a folder's file and the requested content, in the order of the keys.
 
     Parameters
     ----------
@@ -103,14 +103,14 @@ def refusal(kind: str, found: list[Difference]) -> str:
 
 
 def acceptable(found: list[Difference]) -> bool:
-    """Whether code, versions and metrics alone differ."""
+    """True if only code, versions and metrics differ."""
     return all(one.key in ACCEPTABLE for one in found)
 
 
 def with_accepted(
     there: Mapping[str, Any], here: Mapping[str, Any], found: list[Difference]
 ) -> dict[str, Any]:
-    """What is asked for, with the changes that were accepted so far and, if any, those found now.
+    """Requested content, with the changes accepted so far and, if any, those found now.
 
     Each has the time, the command and what differed.
     """
@@ -128,7 +128,7 @@ def with_accepted(
 def found_in(
     path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str], accept: bool = False
 ) -> tuple[dict[str, Any] | None, list[Difference]]:
-    """What a folder's file says, None if the folder may be begun; and what differs and is accepted.
+    """Content of a folder's file, None if the folder may be begun; and the accepted differences.
 
     Nothing is written. Parameters and errors are those of `open_folder`.
     """
@@ -203,7 +203,7 @@ def open_folder(
 
 
 def _holds_nothing(path: Path, file: str) -> bool:
-    """Whether a folder has nothing but the file that says what it was to hold."""
+    """True if a folder has only the file that names its content."""
     with write_errors(path):
         return not any(
             entry.name != file and entry.name[0] != "." and not _is_empty(entry)

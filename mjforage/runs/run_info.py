@@ -35,7 +35,7 @@ class Agent:
     team: str
     """Name of its team."""
     collects: bool
-    """Whether it removes items."""
+    """True if it removes items."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class HullFacts:
 
 @dataclass(frozen=True)
 class Hulls:
-    """What the worlds were made of beside the graph; empty for the paper's rules on it."""
+    """Vessels and items of the physics worlds; empty for the paper's rules on the graph."""
 
     vessels: Mapping[str, HullFacts] = field(default_factory=dict)
     """Vessels by name, with all their parameters."""
@@ -109,7 +109,7 @@ class RunInfo:
     started: str
     """When the command was given, ISO 8601."""
     timings: Mapping[str, float]
-    """What the run took: seconds of processors and of the clock, and decisions; empty before."""
+    """Computing time: processor and wall-clock seconds, and decisions; empty before the end."""
     hash: str
     """Hash of scenario, map, hulls and code, that workers must agree with."""
     bounds: tuple[str, ...] = ()
@@ -119,7 +119,7 @@ class RunInfo:
     weights: Mapping[str, str] = field(default_factory=dict)
     """Policy -> hash of the files that its moves hang on."""
     metrics: tuple[Description, ...] = ()
-    """How each metric is shown; none in a run made before they were listed."""
+    """Display of each metric; none in a run made before metrics were listed."""
 
     @property
     def horizon(self) -> int:
@@ -144,7 +144,7 @@ class RunInfo:
 
 @dataclass(frozen=True)
 class _ScenarioFacts:
-    """What a run's reader needs of its scenario, which may be of an older version."""
+    """Facts of a scenario that a run's reader needs; the scenario may be of an older version."""
 
     __pydantic_config__ = OPEN
 

@@ -12,9 +12,9 @@ from mjforage.base.references import file_label
 RANKS = ("first", "median", "worst", "best")
 """Episodes that are known by what came out, each of one world and policy."""
 USUAL: tuple[str | int, ...] = ("first", "median", "worst")
-"""What evaluate and compare record by default."""
+"""Episodes that evaluate and compare record by default."""
 FIRST: tuple[str | int, ...] = ("first",)
-"""What the runs of a study record, but the first, which records `USUAL`."""
+"""Episodes that the runs of a study record, except the first run, which records `USUAL`."""
 _HOW = f"give episodes' numbers, {', '.join(RANKS)}, or none alone, as in --replay 0,3,worst"
 
 

@@ -108,7 +108,7 @@ AXES = (
         {PLAIN: (_fov(75.0), _fov(120.0), Point(360.0))},
     ),
 )
-"""What looks lack."""
+"""Axes of imperfect sensing."""
 
 ASSUMPTIONS = (
     Axis(
@@ -125,7 +125,7 @@ ASSUMPTIONS = (
         _assumed("false_rate", (0.0, *RATES), (0.0, 0.002)),
     ),
 )
-"""What the belief planner assumes of it."""
+"""Axes of the belief planner's assumptions about it."""
 
 
 def perfect(scenario: Scenario) -> Scenario:

@@ -105,12 +105,12 @@ class RunFolder:
 
     @property
     def complete(self) -> bool:
-        """Whether the run is finished and all its files are there."""
+        """True if the run is finished and all its files are there."""
         names = ("run.json", "summary.json", *(f"{table}.parquet" for table in TABLES))
         return all((self.path / name).is_file() for name in names)
 
     def has(self, chunk: Chunk) -> bool:
-        """Whether a chunk is finished.
+        """True if a chunk is finished.
 
         Raises
         ------
@@ -128,7 +128,7 @@ class RunFolder:
         return True
 
     def has_folder(self, chunk: Chunk) -> bool:
-        """Whether a chunk is there, whatever it holds."""
+        """True if a chunk's folder is there, whatever it holds."""
         return (self._chunks / chunk.name).is_dir()
 
     def held(self, worlds: Iterable[str], policies: Iterable[str]) -> list[Chunk]:
@@ -167,7 +167,7 @@ class RunFolder:
                 shutil.rmtree(temporary, ignore_errors=True)
 
     def costs(self, chunks: list[Chunk]) -> list[Cost]:
-        """What each of the chunks took.
+        """Computing time of each of the chunks.
 
         Raises
         ------

@@ -44,7 +44,7 @@ class Variant:
 
     @property
     def info(self) -> dict[str, Any]:
-        """What `study.json` says of it."""
+        """Entry of the variant in `study.json`."""
         told = {"title": self.title, "policies": [policy_label(one) for one in self.policies]}
         return told | ({"worlds": list(self.worlds)} if self.worlds else {})
 
@@ -56,14 +56,14 @@ class LeftOut:
     policy: str
     """Its name."""
     variant: str
-    """What it would have played."""
+    """Name of the variant."""
     reason: str
     """Why it cannot."""
 
 
 @dataclass(frozen=True)
 class Study:
-    """What a study is.
+    """Definition of a study.
 
     Attributes
     ----------
@@ -108,9 +108,9 @@ class VariantInfo:
     """One variant, as `study.json` has it."""
 
     title: str
-    """What it is called in tables."""
+    """Name in tables."""
     policies: tuple[str, ...]
-    """Who plays it."""
+    """Policies that play it."""
     worlds: tuple[str, ...] = ()
     """Worlds in which it is played; none: those of the study."""
 
@@ -126,7 +126,7 @@ class StudyInfo:
     started: str
     """When it was given, ISO 8601."""
     kind: str
-    """Which study: parts, ablation, corruption, paper, communication, sensing or board."""
+    """Kind of study: parts, ablation, corruption, paper, communication, sensing or board."""
     scenario: Mapping[str, Any]
     """The whole scenario of the first variant, defaults included."""
     variants: Mapping[str, VariantInfo]
@@ -138,7 +138,7 @@ class StudyInfo:
     seed: int
     """Seed of every variant."""
     options: Mapping[str, Any]
-    """What the study was told besides."""
+    """Further options of the study."""
     commit: str = ""
     """Commit of the source, with `-dirty` if it was changed; empty where it is in no repository."""
     left_out: tuple[LeftOut, ...] = ()

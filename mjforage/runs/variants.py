@@ -63,7 +63,7 @@ def _drifting(scenario: Scenario, factor: float) -> tuple[str, Scenario]:
 
 
 def crews(scenario: Scenario) -> str:
-    """How many of each team, in words."""
+    """Number of agents of each team, in words."""
     return ", ".join(f"{name} {role.count}" for name, role in scenario.team.items())
 
 

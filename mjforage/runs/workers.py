@@ -1,4 +1,4 @@
-"""Who computes: processes of this machine or a dask cluster, checked before anything is written."""
+"""Workers: processes of this machine or a dask cluster, checked before anything is written."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from mjforage.runs.costs import Invocation
 
 @dataclass(frozen=True)
 class Workers:
-    """Who computes.
+    """Workers that compute.
 
     Attributes
     ----------
@@ -41,12 +41,12 @@ class Workers:
 
     @property
     def remote(self) -> bool:
-        """Whether a dask cluster computes."""
+        """True if a dask cluster computes."""
         return bool(self.scheduler or self.local_cluster)
 
     @property
     def elsewhere(self) -> bool:
-        """Whether other processes compute."""
+        """True if other processes compute."""
         return self.remote or self.jobs > 1
 
     def invocation(self, policies: Iterable[str], metrics: Iterable[str] = ()) -> Invocation:
@@ -83,6 +83,6 @@ def _check_weights(policies: Iterable[str]) -> None:
 
 
 def policy_import_specs(policies: Iterable[str]) -> tuple[tuple[str, ImportSpec], ...]:
-    """Where other processes find the policies that are not ours."""
+    """Import paths, for other processes, of the policies that are not ours."""
     found = ((policy, policy_import_spec(policy)) for policy in policies)
     return tuple((policy, place) for policy, place in found if place is not None)

@@ -27,10 +27,10 @@ _Trials = Annotated[int, Within(1, 1_000_000, "items")]
 
 @dataclass(frozen=True)
 class CaptureCell:
-    """What came of trials with one item."""
+    """Results of trials with one item."""
 
     quays: Quays
-    """Whether a quay, or two that meet, lie within 0.6 m of the item."""
+    """Quays within 0.6 m of the item: none, one, or two that meet."""
     from_m: Annotated[float, Within(0, 1e3, "m")]
     """Least distance of the item from midships; the cell ends where the next one begins."""
     from_deg: Annotated[float, Within(0, 180, "deg")]
@@ -43,7 +43,7 @@ class CaptureCell:
 
 @dataclass(frozen=True)
 class CaptureFollow:
-    """What came of trials with two items in a node."""
+    """Results of trials with two items in a node."""
 
     quays: Quays
     """The quays beside each of them."""
@@ -55,7 +55,7 @@ class CaptureFollow:
 
 @dataclass(frozen=True)
 class Capture:
-    """How surely a hull picks up."""
+    """Capture probability of a vessel."""
 
     period_s: Annotated[float, Above(0, 1e6, "s")]
     """Time of one decision."""
@@ -66,7 +66,7 @@ class Capture:
 
 
 def load_capture(vessel: str) -> Capture:
-    """How surely a vessel picks up, from the file beside its own.
+    """Capture probability of a vessel, from the file beside its own.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def load_capture(vessel: str) -> Capture:
 
 
 def usual_capture(vessel: str) -> Capture:
-    """How surely a vessel picks up or, if it was never calibrated, the shipped forager.
+    """Capture probability of a vessel or, if it was never calibrated, of the shipped forager.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def usual_capture(vessel: str) -> Capture:
 
 
 def _fault(capture: Capture) -> str:
-    """What no single range can say: each place once, and no more taken than tried; or nothing."""
+    """First fault that no range shows: a place not listed once, or more taken than tried; or ""."""
     places = [(cell.quays, cell.from_m, cell.from_deg) for cell in capture.cells]
     kinds = [follow.quays for follow in capture.follows]
     for cell, place in zip(capture.cells, places, strict=True):

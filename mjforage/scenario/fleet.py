@@ -16,7 +16,7 @@ UNLIMITED = int(np.iinfo(np.int64).max)
 
 @dataclass(frozen=True)
 class Role:
-    """What every agent of one team can do. A fleet has any number of roles."""
+    """Capabilities of every agent of one team. A fleet has any number of roles."""
 
     count: Annotated[int, Within(0, 255, "agents")]
     """Agents in the team."""
@@ -25,15 +25,15 @@ class Role:
     radius: Annotated[float, Within(0, 1000, "node")]
     """Sensing radius."""
     collects: bool
-    """Whether it removes the items of the node it is in."""
+    """True if it removes the items of the node it is in."""
     capacity: Annotated[int, Within(0, 1_000_000, "items")] = 0
     """Items an agent can take aboard in one episode; 0 means unlimited."""
     energy: Annotated[float, Within(0, 1e12, "node")] = 0.0
     """Distance an agent can travel in one episode; 0 means unlimited."""
     carries: bool = False
-    """Whether it takes over what others have aboard."""
+    """True if it takes over the items that others have aboard."""
     relays: bool = False
-    """Whether it passes on what it receives, also where `link.relay` is off."""
+    """True if it passes on the scans that it receives, also where `link.relay` is off."""
     antenna_m: Annotated[float, Within(0.01, 200, "m")] = 1.0
     """Height of its antenna above the water, for `link.model = "two-ray"`."""
 

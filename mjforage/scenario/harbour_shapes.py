@@ -23,7 +23,7 @@ SEA = 2  # cells of water at the edges around islands
 
 
 class Draw(IntEnum):
-    """What is drawn: the step of its random numbers."""
+    """Random draws of a harbour: the step of their random numbers."""
 
     SIZE = 0
     TURN = 1
@@ -102,7 +102,7 @@ def basins(key: np.uint64, rows: int, columns: int) -> Cells:
 
 
 def _walls(key: np.uint64, axis: int, length: int) -> list[int]:
-    """Where walls of two cells have their middle, both edges included."""
+    """Middle lines of the walls, each two cells wide, both edges included."""
     docks = max(2, length // drawn(key, Draw.WIDTH, axis, 8, 13))
     inner = [
         length * i // docks + drawn(key, Draw.PLACE, 1000 * axis + i, -1, 1)

@@ -29,7 +29,7 @@ _FORMS = (
 
 
 class Harbour(NamedTuple):
-    """Which harbour."""
+    """Reference to a generated harbour."""
 
     kind: str
     seed: int
@@ -38,7 +38,7 @@ class Harbour(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What the map is called: the reference with its size."""
+        """Name of the map: the reference with its size."""
         return f"{ONE}{self.kind}:{self.seed}:{self.rows}x{self.columns}"
 
 

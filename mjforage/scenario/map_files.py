@@ -26,7 +26,7 @@ from mjforage.scenario.map_formats import (
 )
 
 WaterIs = Literal["light", "dark"]
-"""Which cells of a map file are water."""
+"""Cells of a map file that are water."""
 DESCRIPTIONS = (".yaml", ".yml")
 
 logger = logging.getLogger(__name__)

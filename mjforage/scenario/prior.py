@@ -8,7 +8,7 @@ from mjforage.base.fields import Within
 
 @dataclass(frozen=True)
 class Prior:
-    """What planners may assume of items, drift and detection before they have seen anything.
+    """Assumptions of planners about items, drift and detection before anything has been seen.
 
     These are assumptions: they stay as they are when `[items]`, `[weather]` or `[sensors]` say
     something else.
@@ -31,6 +31,6 @@ class Prior:
     half_range_node: Annotated[float, Within(0, 1e4, "node")] = 0.0
     """Distance at which that is half, as `sensors.half_range_node`; 0: it does not fall."""
     slope_node: Annotated[float, Within(1e-3, 1e4, "node")] = 1.0
-    """How gradually it falls."""
+    """Scale of the logistic fall with distance, as `sensors.slope_node`."""
     false_rate: Annotated[float, Within(0, 1)] = 0.0
     """False positives per node and decision."""

@@ -28,30 +28,31 @@ class MapChoice:
     pitch_m: Annotated[float, Within(1e-3, 1e6, "m")] = 4.0
     """Distance between the centres of neighbouring nodes."""
     corner_cutting: bool = False
-    """Whether diagonal moves may cut corners of the land."""
+    """True: diagonal moves may cut corners of the land."""
     largest_component: bool = False
-    """Whether only the largest connected part of the map is kept."""
+    """True: only the largest connected part of the map is used."""
     starts: tuple[tuple[_Cell, _Cell], ...] | None = None
     """(row, column) to assign at random; absent: those beside the map; []: a random cluster."""
     water: Literal["light", "dark"] = "light"
-    """Which cells of a file are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
+    """Cells of a file that are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
 
 
 @dataclass(frozen=True)
 class Rules:
-    """What agents may do in a decision."""
+    """Rules of a decision: actions, boundary condition, capture, and order of choice."""
 
     stay: bool = True
-    """Whether staying put is an action."""
+    """True: staying put is an action."""
     shorten: bool = True
-    """Whether a blocked longer move ends before the obstacle instead of being illegal."""
+    """True: a blocked longer move ends before the obstacle; False: it is illegal."""
     walls: Literal["clip", "project", "published"] = "clip"
-    """How an item on land is put back into the nearest node: each component of its offset cut to
-    0.49 node; the offset scaled, its larger component to 0.49; so, and the smaller one with the
-    sign of the lesser of both, as the paper's code has it."""
+    """Boundary condition, which puts an item on land back into the nearest node. `clip`: each
+    component of its offset is cut to 0.49 node; `project`: the offset is scaled, its larger
+    component to 0.49; `published`: as `project`, but the smaller component takes the sign of the
+    lesser of the two signed offsets, as in the paper's code."""
     capture: Literal["certain", "calibrated"] = "certain"
-    """Where items follow the rule: foragers take all in their node, or as surely as their hulls did
-    in trials (`mjforage calibrate`)."""
+    """Collection where items follow the rule: `certain`: foragers collect all items in their node;
+    `calibrated`: with the capture probability of their vessels in trials (`mjforage calibrate`)."""
     order: tuple[str, ...] = ()
     """All teams as they choose, in each the highest number first; empty: those that collect, then
     the others, each by name."""
@@ -59,7 +60,7 @@ class Rules:
 
 @dataclass(frozen=True)
 class Items:
-    """How many items float around how wide a hotspot."""
+    """Number of floating items, and number and width of their hotspots."""
 
     mean: Annotated[float, Within(0, 20_000, "items"), source("paper")] = 75.0
     """Mean number of items."""
@@ -83,8 +84,8 @@ class Weather:
     """Mean wind, in the place of the drift: `drift_node_per_step` then says nothing; absent: the
     wind is the drift's."""
     wind_from_deg: Bearing | None = None
-    """Where that wind comes from, clockwise from north (0 north, 90 east); absent: drawn per
-    episode, uniform over the circle."""
+    """Direction that the wind comes from, clockwise from north (0 north, 90 east); absent: drawn
+    per episode, uniform over the circle."""
     shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
     """Height of what stands on all land, in whose lee the wind is weaker; 0: no lee."""
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
@@ -101,7 +102,7 @@ class Weather:
     them; in a narrows it is faster, in a bay with one mouth it ends near the mouth. Needs water at
     the map's edge, where it comes in and goes out."""
     current_toward_deg: Bearing | None = None
-    """Where it flows to, counter-clockwise from east; absent: drawn per episode."""
+    """Direction that it flows to, counter-clockwise from east; absent: drawn per episode."""
     current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Standard deviation per axis of a slow Gauss-Markov part of that current."""
     circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0
@@ -137,7 +138,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Physics:
-    """How the MuJoCo world carries decisions out."""
+    """Settings of the MuJoCo world."""
 
     vessels: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     """Team -> vessel (a name, or a TOML file from the scenario's folder); absent: `forager` if it
@@ -162,8 +163,8 @@ _Distance = Annotated[float, Within(0, 1e4, "node")]
 
 @dataclass(frozen=True)
 class Sensors:
-    """What scans miss and invent, in every world, and what measurements lack with hulls; nothing by
-    default.
+    """Errors of scans (missed detections, false positives) in every world, and measurement noise of
+    vessels; none by default.
 
     An item in view is detected with a chance p that falls with its distance: all agents that are as
     far detect it or miss it together, in every decision anew.
@@ -179,7 +180,7 @@ class Sensors:
     """Distance at which p is half: detection / (1 + exp((d - half_range_node) / slope_node)); 0: it
     does not fall."""
     slope_node: Annotated[float, Within(1e-3, 1e4, "node")] = 1.0
-    """How gradually it falls."""
+    """Scale of that logistic fall with distance."""
     detection_table: tuple[tuple[_Distance, _Chance], ...] = ()
     """(distance, p), linear between and constant beyond, in the place of the three keys above."""
     persistence: Annotated[float, Within(0, 0.99)] = 0.0
@@ -194,7 +195,7 @@ class Sensors:
     fov_deg: Annotated[float, Within(0, 360, "deg")] = 360.0
     """Field of view about the heading; an agent's own node is always seen."""
     map: Literal["last", "filtered"] = "last"
-    """What is believed of a node: the items of the last scan, or what all scans make probable."""
+    """Belief about a node: the items of the last scan, or an estimate from all scans."""
     camera_noise_m: Annotated[float, Within(0, 2, "m")] = 0.0
     """Standard deviation per axis of where the middle of an item is in a frame of a collector's
     camera; with 0 there is no camera, and collectors know where items are."""
@@ -222,7 +223,7 @@ _RF = source("gz-sim, RFComms")
 
 @dataclass(frozen=True)
 class Link:
-    """How scans get from agent to agent; by default everybody receives everything at once.
+    """Link between agents, which carries scans; by default all agents receive all scans at once.
 
     With a link every agent acts by what it has seen and received. At the end of every decision
     agents pass on the scans that others in reach lack, the newest first, one hop at a time.
@@ -235,7 +236,7 @@ class Link:
     range_m: Annotated[float, Within(0, 1e6, "m")] = 1e6
     """Radius of the disk."""
     wall_db: Annotated[float, Within(0, 1000, "dB")] = 0.0
-    """What every land cell on the straight line takes; a disk ends there if above 0."""
+    """Loss at every land cell on the straight line; a disk ends there if above 0."""
     tx_dbm: Annotated[float, Within(-200, 100, "dBm"), _RF] = 27.0
     """Power of a transmitter."""
     floor_dbm: Annotated[float, Within(-200, 0, "dBm"), _RF] = -90.0
@@ -256,12 +257,12 @@ class Link:
     latency: Annotated[int, Within(0, 30000, "decisions")] = 0
     """Time until what was sent is received."""
     bytes: Annotated[int, Within(0, 1_000_000_000, "B")] = 0
-    """What an agent can send in a decision, 0 without a limit; a scan of n occupied nodes takes
-    6 + 3 n."""
+    """Bytes that an agent can send in a decision, 0 without a limit; a scan of n occupied nodes
+    takes 6 + 3 n."""
     cells: Annotated[int, Within(0, 1_000_000_000)] = 0
     """The same in cells, of which it takes 1 + n."""
     relay: bool = True
-    """Whether all agents pass on scans of others, or only those of teams with `relays`."""
+    """True: all agents pass on scans of others; False: only those of teams with `relays`."""
 
 
 @dataclass(frozen=True)
@@ -273,7 +274,7 @@ class CorruptionChoice:
     epsilon: Annotated[float, Within(0, 1)] = 0.0
     """Probability per decision that an action is random."""
     whole_team: bool = False
-    """Whether one draw decides for the whole team, as in the published code."""
+    """True: one draw decides for the whole team, as in the published code."""
 
 
 @dataclass(frozen=True)

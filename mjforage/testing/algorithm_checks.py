@@ -31,7 +31,7 @@ MEASURED = ("seconds",)  # what no seed decides
 
 
 class State(NamedTuple):
-    """What a trainer is after some rounds, in copies."""
+    """Copies of a trainer's state after some rounds."""
 
     tensors: dict[str, NDArray[Any]]
     weights: dict[str, NDArray[Any]]
@@ -60,7 +60,7 @@ class AlgorithmTrial:
 
     @property
     def name(self) -> str:
-        """What it is called in messages."""
+        """Name in messages."""
         return self.algorithm if isinstance(self.algorithm, str) else self.algorithm.__qualname__
 
     @cached_property
@@ -85,7 +85,7 @@ class AlgorithmTrial:
 
 
 def state_of(trainer: Algorithm[Any], rows: list[Row]) -> State:
-    """What a trainer keeps and would play with, in copies."""
+    """Copies of a trainer's tensors and of the weights that it would play with."""
     weights = {
         f"{team}.{name}": value
         for team, network in trainer.networks.items()
@@ -160,7 +160,7 @@ def check_repeats(trial: AlgorithmTrial) -> None:
 
 
 def check_copies(trial: AlgorithmTrial) -> None:
-    """What `see` gave is copied before it is kept: the arrays are of the last look."""
+    """Arrays that `see` gave are copied before they are stored: they are overwritten later."""
     look = Round.see
 
     def copied(round: Round, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
@@ -289,7 +289,7 @@ def check_algorithm(
 
 
 def _difference(one: State, other: State) -> str:
-    """Where two states differ first, as text; "" if nowhere."""
+    """First difference between two states, as text; "" if there is none."""
     for kind, mine, its in (
         ("weights", one.weights, other.weights),
         ("tensors", one.tensors, other.tensors),

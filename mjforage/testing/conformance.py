@@ -1,4 +1,4 @@
-"""How a conformance check says no, and how several are made one."""
+"""Failure of a conformance check, and several checks run as one."""
 
 from collections.abc import Callable, Sequence
 from typing import TypeVar
@@ -57,7 +57,7 @@ def _package(trial: object) -> str:
 
 
 def first_difference(one: NDArray[np.generic], other: NDArray[np.generic]) -> str:
-    """Where two arrays of one shape differ first in a bit, as text; "" if nowhere."""
+    """First bit that differs between two arrays of one shape, as text; "" if there is none."""
     if one.shape != other.shape or one.dtype != other.dtype:
         return f"{one.dtype} {one.shape} and {other.dtype} {other.shape}"
     same = (one == other) | ((one != one) & (other != other))

@@ -21,7 +21,7 @@ CRITIC = "state()"  # who sees that of a `ParallelEnv`, if it has a `state_space
 
 
 class Frame(NamedTuple):
-    """What one step gave, by agent; the agent of Gymnasium is "", a central critic `CRITIC`."""
+    """Result of one step, by agent; the agent of Gymnasium is "", a central critic `CRITIC`."""
 
     seen: dict[str, Any]
     rewards: dict[str, float]
@@ -49,7 +49,7 @@ class EnvironmentTrial:
 
     @property
     def name(self) -> str:
-        """What it is called in messages."""
+        """Name in messages."""
         return self.env if isinstance(self.env, str) else getattr(self.env, "__name__", "env")
 
     def make(self) -> Any:
@@ -65,7 +65,7 @@ class EnvironmentTrial:
 
 
 def is_parallel(env: Any) -> bool:
-    """Whether it is one of PettingZoo."""
+    """True if it is an environment of PettingZoo."""
     return hasattr(env, "possible_agents")
 
 
@@ -84,7 +84,7 @@ def begin(env: Any, seed: int | None) -> dict[str, Any]:
 
 
 def _all_seen(env: Any, seen: Mapping[str, Any]) -> dict[str, Any]:
-    """What is seen in a `ParallelEnv`, by a central critic too."""
+    """Observations of a `ParallelEnv`, with those of a central critic."""
     return {**seen, CRITIC: env.state()} if hasattr(env, "state_space") else dict(seen)
 
 
@@ -145,7 +145,7 @@ def _copied(seen: Any) -> Any:
 
 
 def check_api(trial: EnvironmentTrial) -> None:
-    """What Gymnasium's `check_env`, or PettingZoo's `parallel_api_test`, asks for."""
+    """Demands of Gymnasium's `check_env`, or of PettingZoo's `parallel_api_test`."""
     env = trial.make()
     try:
         with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
@@ -180,7 +180,7 @@ def check_seed(trial: EnvironmentTrial) -> None:
 
 
 def _difference(one: Frame, other: Frame) -> str:
-    """Where two frames differ first, as text; "" if nowhere."""
+    """First difference between two frames, as text; "" if there is none."""
     missing = np.zeros(0)
     for what, here, there in (
         ("observation", leaves(one.seen), leaves(other.seen)),

@@ -29,7 +29,7 @@ Rows = NDArray[np.int64]
 
 
 class Frame(NamedTuple):
-    """What a policy was shown at one step, in copies, and what it answered."""
+    """Copies of a policy's inputs at one step, and its answer."""
 
     observation: Observation
     truth: GroundTruth | None  # for bounds
@@ -61,7 +61,7 @@ class PolicyTrial:
 
     @property
     def name(self) -> str:
-        """What it is called in messages."""
+        """Name in messages."""
         policy = self.policy
         return policy if isinstance(policy, str) else getattr(policy, "__qualname__", str(policy))
 
@@ -80,7 +80,7 @@ class PolicyTrial:
         return self.played(self.fresh(), range(self.episodes))
 
     def played(self, policy: Policy, episodes: Iterable[int], holders: int = 1) -> list[Frame]:
-        """What a policy sees and answers along some episodes."""
+        """Inputs and answers of a policy along some episodes."""
         mission = Mission(self.setup, exchange=TwoOwners() if holders > 1 else None)
         mission.reset(self.seed, np.array(list(episodes)))
         watched = _Watched(policy)
@@ -170,7 +170,7 @@ def check_rows(trial: PolicyTrial) -> None:
 
 
 def check_second_holder(trial: PolicyTrial) -> None:
-    """Where two holders of knowledge share an episode and its key, each is answered for itself."""
+    """Two belief owners that share an episode and its key are answered independently."""
     if isinstance(trial.fresh(), UpperBound):
         return  # a bound is shown the truth, once for each episode
     frames = trial.played(trial.fresh(), range(trial.episodes), OWNERS)

@@ -27,7 +27,7 @@ class TwoOwners:
 
     @property
     def knowledge(self) -> Knowledge:
-        """What both know."""
+        """Knowledge of both owners."""
         return self._lent.of(self._knowledge)
 
     def reset(self, task: Task, scans: Scans, pooled: Knowledge, keys: UInt64Array) -> None:

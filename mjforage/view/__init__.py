@@ -1,1 +1,1 @@
-"""What people look at: reports, films, pictures, the web player."""
+"""Output for people: reports, videos, figures, the web player."""

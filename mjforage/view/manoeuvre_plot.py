@@ -96,7 +96,7 @@ def _track(axes: Axes, t: Trajectory) -> None:
 
 
 def _hulls_times_larger(t: Trajectory) -> int:
-    """How much larger than life hulls are drawn: as little as lets them be seen."""
+    """Scale at which hulls are drawn: the least that makes them visible."""
     span = float(np.ptp(t.states[:, :2], axis=0).max())
     least = LEAST_HULL * span / t.vessel.length_m
     return next((times for times in LARGER if times >= least), LARGER[-1])
@@ -247,7 +247,7 @@ def _zigzag(axes: Axes, t: Trajectory) -> None:
 def _overshoots(
     axes: Axes, times: NDArray[np.float64], heading: NDArray[np.float64], angle: float
 ) -> None:
-    """How far every swing goes beyond the angle, written at its peak."""
+    """Write the overshoot of every swing beyond the angle at its peak."""
     edges = np.concatenate(([0], np.flatnonzero(heading[1:] * heading[:-1] < 0.0) + 1))
     swings = (slice(*pair) for pair in pairwise(edges.tolist()))
     peaks = [swing.start + int(np.abs(heading[swing]).argmax()) for swing in swings]

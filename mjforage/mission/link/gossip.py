@@ -25,7 +25,7 @@ _NEVER = np.iinfo(np.int64).max
 
 
 class Terms(NamedTuple):
-    """What may be sent."""
+    """Limits on what is sent."""
 
     latency: int  # decisions
     bytes: int  # per sender and decision, 0 without a limit
@@ -34,7 +34,7 @@ class Terms(NamedTuple):
 
 
 class Inbox(NamedTuple):
-    """Which scans owners have received; an owner per agent."""
+    """Scans that owners have received; one owner per agent."""
 
     received_at: NDArray[
         np.int16
@@ -50,7 +50,7 @@ class Inbox(NamedTuple):
 
 
 class Traffic(NamedTuple):
-    """What went over the links so far, per episode (episode,)."""
+    """Traffic over the links so far, per episode (episode,)."""
 
     contacts: NDArray[np.int64]  # pairs in contact, summed over decisions
     sent: NDArray[np.int64]  # scans, once for each sender and receiver that lacks them

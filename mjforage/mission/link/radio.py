@@ -128,7 +128,7 @@ class Radio:
 
     @property
     def knowledge(self) -> Knowledge:
-        """What every agent knows."""
+        """Knowledge of every agent."""
         return self._lent_knowledge.of(self._knowledge)
 
     @property
@@ -176,7 +176,7 @@ class Radio:
 
     @property
     def link_log(self) -> LinkLog:
-        """What went over the links so far."""
+        """Traffic over the links so far."""
         net, traffic = self.net, self.net.traffic
         return LinkLog(
             contact=read_only(net.contacts.snr_db >= 0.0),

@@ -23,7 +23,7 @@ def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
 
 
 class OfHolders(Metric):
-    """What is defined where owners are several: time mean of a course."""
+    """Metric of several belief owners: time mean of a time series."""
 
     better, compared, top = -1, False, 0.0
 

@@ -67,7 +67,7 @@ def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Me
 
 
 def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[ImportSpec, ...]:
-    """Where another process finds those metrics that are not ours.
+    """Import paths, for other processes, of those metrics that are not ours.
 
     Raises
     ------
@@ -126,5 +126,5 @@ def course_metrics(metrics: Sequence[type[Metric]]) -> dict[str, type[Metric]]:
 
 
 def describe(key: str) -> Description:
-    """How the metric of a key is shown; one that is not known here, under its own key."""
+    """Description of the metric of a key; an unknown metric is shown under its key."""
     return description(METRICS.find(key)) if METRICS.has(key) else Description(key, key)

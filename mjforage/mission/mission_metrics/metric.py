@@ -156,7 +156,7 @@ class Metric:
 
 @dataclass(frozen=True)
 class Description:
-    """How a metric is shown, without its formula; `run.json` keeps one of each of the run's.
+    """Display of a metric, without its formula; `run.json` has one of each of the run's.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ class Description:
 
 
 def description(metric: type[Metric]) -> Description:
-    """How a metric is shown."""
+    """Description of a metric."""
     words = (inspect.getdoc(metric) or "").partition("\n\n")[0]
     has = metric.has_course()
     return Description(

@@ -36,7 +36,7 @@ class Contact(Metric):
 
 
 class Total(Metric):
-    """What the links' log adds up over an episode.
+    """Sum over an episode of a count in the links' log.
 
     Attributes
     ----------

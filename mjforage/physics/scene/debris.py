@@ -27,7 +27,7 @@ class DebrisClass:
 
     name: Annotated[str, NotInFile()]
     description: str
-    """What the items are, in a line."""
+    """Kind of item, in one line."""
     mass_kg: Annotated[float, positive("kg", 1e4)]
     """Mass of an item."""
     added_mass_kg: Annotated[float, Quantity("kg", 0.0, 1e4)]

@@ -37,7 +37,7 @@ _ENGAGED = (
     *("engine", "model", "time_s", "commands", "thruster_state", "vessel_wind", "vessel_water"),
     *("load", "_pose", "_velocity", "_bodies", "_activate", "_sync_items", "_drift"),
 )
-"""What a simulation makes anew with every engine."""
+"""Attributes that a simulation makes anew with every engine."""
 _CARRIED = ("time", "qpos", "qvel", "act", "qacc_warmstart", "ctrl", "userdata")
 
 

@@ -51,7 +51,7 @@ class WeatherSettings:
     item_noise_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Per item and period a water velocity of its own, uniform in +- this on each axis."""
     item_noise_period_s: Annotated[float, Within(1e-3, 1e6, "s")] = 10.0
-    """How long that velocity is held: a decision period."""
+    """Time for which that velocity stays constant: a decision period."""
 
     def __post_init__(self) -> None:
         check_fields(self, "weather")

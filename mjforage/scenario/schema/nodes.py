@@ -84,7 +84,7 @@ def choices(node: Tree) -> list[Any]:
 
 
 def type_words(node: Tree, key: str = "") -> str:
-    """What a key takes: `a number`, `a list`, ..."""
+    """Type of a key's value in words: `a number`, `a list`, ..."""
     if is_quantity(node):
         return "a number with unit and source"
     if isinstance(node.get("additionalProperties"), dict):

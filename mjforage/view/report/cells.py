@@ -129,5 +129,5 @@ def in_minutes(run: RunInfo, metric: Description, mean: float) -> str:
 
 
 def minutes(run: RunInfo, steps: float) -> float:
-    """What so many steps of a run take."""
+    """Duration of so many steps of a run [min]."""
     return steps * run.period_s / 60

@@ -1,4 +1,4 @@
-"""How often a policy cleared the map, how long it took, and the horizon that would be enough."""
+"""Clearing of the map: how often, how soon, and the horizon that would be enough."""
 
 import math
 

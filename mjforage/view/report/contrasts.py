@@ -78,7 +78,7 @@ class _Line:
 
     @property
     def defined(self) -> bool:
-        """Whether the metric is, in some episode of either case."""
+        """True if the metric is defined in some episode of either case."""
         cases = (self.contrast.case, self.contrast.against)
         return any(np.isfinite(case.values(self.metric.key)).any() for case in cases)
 

@@ -185,7 +185,7 @@ def time_figure(
 
 
 def _has_numbers(logs: RunLogs, key: str) -> bool:
-    """Whether a time series is defined anywhere."""
+    """True if a time series is defined anywhere."""
     return key in logs.columns_of_steps and bool(logs.means[key + COUNT].sum())
 
 

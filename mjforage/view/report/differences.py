@@ -57,7 +57,7 @@ class Estimate:
 
     @property
     def leaves_out_zero(self) -> bool:
-        """Whether its interval does, as it is shown."""
+        """True if the interval, as shown, excludes 0."""
         return round(self.low, self._digits) > 0 or round(self.high, self._digits) < 0
 
     def cell(self, best: bool = False, also: str = "") -> Cell:
@@ -95,7 +95,7 @@ def corrected(family: Sequence[Estimate]) -> list[float]:
 
 
 def set_apart(family: Sequence[Estimate]) -> list[bool]:
-    """Which of a family differ from 0, together at `LEVEL`, and are of enough episodes for it.
+    """Members of a family that differ from 0, together at `LEVEL`, with enough episodes for it.
 
     What has 0 in the interval that is shown beside it is not one of them.
     """

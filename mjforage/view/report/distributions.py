@@ -95,7 +95,7 @@ def _draw(axes: Axes, logs: RunLogs, violins: Mapping[Case, Violin]) -> None:
 
 
 def dots_of(logs: RunLogs) -> int:
-    """How many episodes a violin shows as points."""
+    """Number of episodes that a violin shows as points."""
     return max(10, min(DOTS, FIGURE_DOTS // len(logs.cases)))
 
 

@@ -1,4 +1,4 @@
-"""What a paper takes from a report: its tables and figures as files, in the formats wanted."""
+"""Tables and figures of a report as files for a paper, in the formats wanted."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass

@@ -52,7 +52,7 @@ class Published:
 
     @property
     def sources(self) -> list[Means]:
-        """What the paper prints, and what its public code gives."""
+        """Means that the paper prints, and those of its public code."""
         return [self.printed, *([self.pooled] if self.pooled else [])]
 
 
@@ -127,7 +127,7 @@ def elsewhere(run: RunInfo) -> str:
 
 
 def comparable(run: RunInfo) -> bool:
-    """Whether a run is of a shipped scenario with the paper's fleet, on a map of the paper's size.
+    """True if a run is of a shipped scenario with the paper's fleet and a map of the paper's size.
 
     Nothing but the map's file may be changed.
     """

@@ -12,7 +12,7 @@ from mjforage.view.report.text_tables import HEADLINE, undefined_note
 
 
 def gap_tables(logs: RunLogs) -> list[Table]:
-    """What each world adds, with three or more, and every metric in the first and the last one."""
+    """Tables of the steps between worlds, with three or more, and of the first and the last one."""
     tables = (levels_table(logs), gap_table(logs))
     return [table for table in tables if table is not None]
 
@@ -45,7 +45,7 @@ def gap_table(logs: RunLogs) -> Table | None:
 
 
 def levels_table(logs: RunLogs) -> Table | None:
-    """What each world adds to the one before it, in the headline metrics.
+    """Table of the change from each world to the next one, in the headline metrics.
 
     None with fewer than three worlds.
     """

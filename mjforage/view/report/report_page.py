@@ -34,13 +34,13 @@ def map_words(run: RunInfo) -> str:
 
 
 def horizon_words(run: RunInfo) -> str:
-    """How long an episode of a run may take, in steps and minutes."""
+    """Horizon of a run, in steps and minutes."""
     length_min = number(minutes(run, run.horizon), 0)
     return f"T = {run.horizon} steps of {run.period_s:g} s: {length_min} min"
 
 
 def curve_words(run: RunInfo) -> str:
-    """How to read figures over time."""
+    """Explanation of figures over time."""
     return (
         "Lines: mean of the episodes where the metric is defined; bands: ± 1.96 SEM. Time is "
         f"normalised by the horizon, {horizon_words(run)}."
@@ -48,7 +48,7 @@ def curve_words(run: RunInfo) -> str:
 
 
 def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
-    """What was run, as pairs of a term and its value."""
+    """Facts about a run, as pairs of a term and its value."""
     run = logs.run
     fleet = Counter(agent.team for agent in run.agents)
     each = "policy" if len(run.worlds) == 1 else "policy and world"
@@ -92,7 +92,7 @@ NOTES = (
     "Undefined values (–) are left out of means and intervals; n counts what is left. With one "
     "episode there is no standard error.",
 )
-"""Where our numbers follow another definition than the paper's printed ones."""
+"""Notes on numbers of ours that follow another definition than the paper's printed ones."""
 
 
 def notes_section(notes: Sequence[str] = NOTES) -> Section:

@@ -85,11 +85,11 @@ class RunLogs:
         return {key: theirs.get(key) or here.get(key) or describe(key) for key in keys}
 
     def has(self, key: str) -> bool:
-        """Whether the run was made with a metric."""
+        """True if the run was made with a metric."""
         return key in self.episodes.columns
 
     def defined(self, key: str) -> bool:
-        """Whether a metric is defined in some episode of the run."""
+        """True if a metric is defined in some episode of the run."""
         return any(case.summary(key).n for case in self.cases)
 
     @cached_property
@@ -129,7 +129,7 @@ class RunLogs:
         return collected(path, rows, REMEDY).join(found, on=KEYS, how="semi", nulls_equal=True)
 
     def collects(self) -> list[bool]:
-        """Whether each agent collects: (agent,)."""
+        """True for each agent that collects: (agent,)."""
         return [agent.collects for agent in self.run.agents]
 
 

@@ -123,7 +123,7 @@ def pair_page(runs: Pair, labels: tuple[str, str], count: int) -> Page:
 
 
 def shared_episodes(first: RunLogs, second: RunLogs) -> int:
-    """How many episodes two runs share: those with numbers below it.
+    """Number of episodes that two runs share: those with numbers below it.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def _unshared(first: RunLogs, second: RunLogs, words: str) -> str:
 
 
 def _starts(logs: RunLogs, count: int) -> list[FloatArray]:
-    """Where the items of each episode lie at first, (item, 2) [node]; alike for every policy."""
+    """Initial positions of the items of each episode, (item, 2) [node]; alike for every policy."""
     own = logs.cases[0].items(("item", "row_start", "col_start")).sort("episode", "item")
     first = np.searchsorted(own["episode"].to_numpy(), np.arange(1, count + 1))
     places = own.select("row_start", "col_start").to_numpy().astype(np.float64)

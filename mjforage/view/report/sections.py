@@ -37,7 +37,7 @@ class Section:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing is in it."""
+        """True if nothing is in it."""
         parts = (self.words, self.numbers, self.pictures, self.facts, self.items, self.details)
         return not any(parts)
 

@@ -42,7 +42,7 @@ LINKED = (*TERMINAL[:5], "csr", "handover", "length")  # where it is defined; no
 
 
 def _paper_rows(known: Published, metrics: Sequence[Description], map_: str) -> list[Row]:
-    """What the paper prints, and what its public code gives over many seeds."""
+    """Rows of the means that the paper prints, and of its public code over many seeds."""
     nan = float("nan")
     return [
         row(

@@ -43,7 +43,7 @@ LIKE_PAPER = ("ablation", "corruption", "paper")  # studies that play its varian
 
 
 def is_study(folder: Path) -> bool:
-    """Whether a folder holds a study rather than a run."""
+    """True if a folder holds a study rather than a run."""
     return (folder / "study.json").is_file()
 
 

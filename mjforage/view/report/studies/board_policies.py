@@ -45,7 +45,7 @@ def page_of(policy: str) -> str:
 
 
 def given(policy: str) -> tuple[str, str]:
-    """What a policy was given, and where it is described; "" for what is not known here."""
+    """Training of a policy, and the page that describes it; "" for an unknown policy."""
     name = parse_reference(policy, "policy").name
     try:
         check_policy_trusted(policy, "study.json")

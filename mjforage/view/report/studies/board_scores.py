@@ -204,7 +204,7 @@ class Standing:
 
 
 def _told(board: Board, cell: TaskScore) -> bool:
-    """Whether the ceiling is better than the floor there, by a paired t-test at the usual level."""
+    """True if the ceiling is better than the floor there, by a paired t-test at the usual level."""
     task, score = cell
     if not {FLOOR, CEILING} <= set(board.players(task)):
         return False

@@ -1,4 +1,4 @@
-"""How performance falls as a team's actions become random: slopes, break points, figures."""
+"""Performance as a team's actions become random: slopes, break points, figures."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -60,7 +60,7 @@ class Fit:
 
     @property
     def bends(self) -> bool:
-        """Whether the line leaves more than rounding errors to a break."""
+        """True if the line leaves more than rounding errors to a break."""
         return float(self.line.sse) > ROUNDING * float(np.sum(self.means**2))
 
     @property
@@ -151,7 +151,7 @@ def fit_cells(fit: Fit | None, digits: int) -> Iterator[Cell]:
 
 
 def unlike_draws(logs: StudyLogs) -> str:
-    """What keeps the paper's slopes from being compared with ours; nothing with its own rule."""
+    """Difference in draws that makes the paper's slopes incomparable; "" with the paper's rule."""
     if logs.options["whole_team"]:
         return ""
     return "paper: one draw for the team; ours: one per agent"

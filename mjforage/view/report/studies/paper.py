@@ -68,7 +68,7 @@ class Beside:
 
 
 def same_world(world: str) -> bool:
-    """Whether the paper's numbers are of this world."""
+    """True if the paper's numbers are of this world."""
     return world == "graph"
 
 
@@ -140,7 +140,7 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
 
 
 def _maps(logs: StudyLogs) -> str:
-    """Whether paper and study are of one map."""
+    """Sentence on whether paper and study have the same map."""
     if elsewhere(logs.base):
         return "The paper's numbers are of its own map, ours of the map named above."
     return (

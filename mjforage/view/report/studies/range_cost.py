@@ -65,7 +65,7 @@ class Costs:
         return Estimate(found, float(paired_p(far, near)), DIGITS)
 
     def note(self, *words: str) -> str:
-        """How they are tested."""
+        """Note on the tests."""
         return family_note(list(self.of.values()), *words)
 
 

@@ -25,7 +25,7 @@ class StudyLogs:
 
     @property
     def kind(self) -> str:
-        """Which study."""
+        """Kind of study."""
         return self.info.kind
 
     @property
@@ -73,7 +73,7 @@ class StudyLogs:
         return Case(self.runs[variant], world, policy)
 
     def plays(self, policy: str, variant: str) -> bool:
-        """Whether a policy plays a variant."""
+        """True if a policy plays a variant."""
         return variant in self.runs and policy in self.runs[variant].run.policies
 
     def suffix(self, world: str) -> str:

@@ -29,7 +29,7 @@ def _distinct(words: Sequence[str], noun: str, one: str = "") -> tuple[str, str]
 
 
 def study_facts(logs: StudyLogs) -> list[tuple[str, str]]:
-    """What was run, as pairs of a term and its value."""
+    """Facts about a study, as pairs of a term and its value."""
     run, info, runs = logs.base, logs.info, [one.run for one in logs.runs.values()]
     pairs = [
         _distinct([one.name for one in runs], "Scenario"),
@@ -48,7 +48,7 @@ def study_facts(logs: StudyLogs) -> list[tuple[str, str]]:
 
 
 def opening_sections(logs: StudyLogs) -> list[Section]:
-    """What was run, the scenario as it is, and whether its map was cleared."""
+    """Sections on the study's settings, the unchanged scenario, and the clearing of its map."""
     run = Section(
         "run", "What was run", facts=study_facts(logs), texts={"Command": logs.info.command}
     )
@@ -63,7 +63,7 @@ def opening_sections(logs: StudyLogs) -> list[Section]:
 
 
 def cost_section(logs: StudyLogs) -> Section:
-    """What the study took; empty where it was not noted."""
+    """Section on the study's computing time; empty where it was not recorded."""
     name, title = "cost", "Cost and throughput"
     tables = [cost_table(logs), throughput_table(logs)] if any(logs.costs.values()) else []
     return Section(name, title, tables=tables)
