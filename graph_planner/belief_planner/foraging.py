@@ -25,7 +25,7 @@ from mjforage.graph_planner.belief_planner.taking import Taking
 from mjforage.graph_planner.belief_planner.ways import Ways
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Task
-from mjforage.scenario.fleet import UNLIMITED
+from mjforage.scenario.roles import UNLIMITED
 
 USUAL_STEP = 1.2  # length of a decision over the nodes it moves: between 1 and sqrt 2 [node]
 

@@ -13,7 +13,7 @@ from mjforage.base.compiled import inlined, kernel
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
-from mjforage.mission.detection import chances_by_square, squares_in_view
+from mjforage.mission.sensors.detection import chances_by_square, squares_in_view
 from mjforage.mission.task import Task
 
 _FARTHEST = 65534  # squared distance that is kept

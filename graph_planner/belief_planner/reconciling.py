@@ -31,7 +31,7 @@ from mjforage.graph_planner.belief_planner.tracks import (
 )
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.walls import INSET
-from mjforage.mission.detection import real_if_missed, real_if_new, real_if_seen
+from mjforage.mission.sensors.detection import real_if_missed, real_if_new, real_if_seen
 
 FIRST_GATE = 1.3  # distance of a plain mistake: a node and a bit [node]
 IN_VIEW_GATE = 2.3  # between two places in view [node]

@@ -24,7 +24,7 @@ from mjforage.graph_planner.graph.geodesics import (
 )
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.graph.visibility import NodeLists
-from mjforage.graph_planner.planning.seeking import longest_move, possible_targets
+from mjforage.graph_planner.policy_parts.seeking import longest_move, possible_targets
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 # Nodes to look at again are those to which an item that was believed near them may have drifted

@@ -25,7 +25,8 @@ from mjforage.graph_planner.graph.geodesics import (
 )
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.graph.visibility import NodeLists
-from mjforage.graph_planner.planning.auctions import (
+from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.auctions import (
     BID_RULES,
     UNSOLD,
     Bidders,
@@ -36,8 +37,7 @@ from mjforage.graph_planner.planning.auctions import (
     sell_views,
     ways_between,
 )
-from mjforage.graph_planner.planning.seeking import TIE
-from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.seeking import TIE
 from mjforage.mission.moves import move_length
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays

@@ -15,8 +15,8 @@ from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from mjforage.graph_planner.graph.geodesics import FAR, Workspace, distances_to_nearest
 from mjforage.graph_planner.graph.visibility import NodeLists
-from mjforage.graph_planner.planning.seeking import TIE, longest_move, possible_targets
 from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.seeking import TIE, longest_move, possible_targets
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays
 

@@ -15,8 +15,8 @@ from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
-from mjforage.graph_planner.planning.seeking import ItemSeeker, longest_move, possible_targets
 from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.seeking import ItemSeeker, longest_move, possible_targets
 from mjforage.mission.moves import move_length
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
-from mjforage.graph_planner.planning.seeking import ItemSeeker
-from mjforage.graph_planner.planning.walking import Walker
 from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.seeking import ItemSeeker
+from mjforage.graph_planner.policy_parts.walking import Walker
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task
 

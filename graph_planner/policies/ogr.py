@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from mjforage.base.option_ranges import check_at_least, check_positive
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import Int32Array
-from mjforage.graph_planner.planning.meeting import Sea, assign
-from mjforage.graph_planner.planning.tracking_team import TrackingTeam
 from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.meeting import Sea, assign
+from mjforage.graph_planner.policy_parts.tracking_team import TrackingTeam
 from mjforage.mission.task import Observation, Task
 
 

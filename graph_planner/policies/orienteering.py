@@ -20,9 +20,9 @@ from mjforage.graph_planner.belief_planner.stops import (
     stops,
 )
 from mjforage.graph_planner.graph.geodesics import Int32Array
-from mjforage.graph_planner.planning.route_solver import routing_library, solve_routes
-from mjforage.graph_planner.planning.tracking_team import TrackingTeam
 from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.route_solver import routing_library, solve_routes
+from mjforage.graph_planner.policy_parts.tracking_team import TrackingTeam
 from mjforage.mission.task import Observation, Task
 
 

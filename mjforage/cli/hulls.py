@@ -59,7 +59,7 @@ def manoeuvre(
         write_trajectory,
     )
     from mjforage.physics.manoeuvre import manoeuvre as run
-    from mjforage.view.manoeuvre_plot import check_plot, manoeuvre_figure
+    from mjforage.view.figures.manoeuvre_plot import check_plot, manoeuvre_figure
 
     if out is not None:
         check_file(out, "--out")

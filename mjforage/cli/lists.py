@@ -32,7 +32,7 @@ def policies() -> None:
 @app.command
 def metrics() -> None:
     """List the metrics: what each measures, its unit, and whether more or less of it is better."""
-    from mjforage.mission.mission_metrics import METRICS, chosen_metrics, description
+    from mjforage.mission.scoring import METRICS, chosen_metrics, description
 
     ways = {1: "more is better", -1: "less is better", 0: ""}
 
@@ -143,8 +143,8 @@ def _map_scenario(overrides: tuple[str, ...], water: Water | None) -> "Scenario"
 def _write(grids: "list[GridMap]", path: Path) -> None:
     """A map as a table or a picture, or several on one sheet."""
     from mjforage.scenario.map_files import write_table
-    from mjforage.view.map_pictures import save_map_picture
-    from mjforage.view.map_sheets import save_map_sheet
+    from mjforage.view.figures.map_pictures import save_map_picture
+    from mjforage.view.figures.map_sheets import save_map_sheet
 
     if len(grids) > 1:
         save_map_sheet(grids, path)

@@ -24,7 +24,7 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     from mjforage.physics.vessels import Vessel
     from mjforage.runs.costs import Costs
     from mjforage.runs.run_info import RunInfo
-    from mjforage.runs.study import StudyInfo
+    from mjforage.runs.studies.study import StudyInfo
     from mjforage.scenario.capture import Capture
     from mjforage.scenario.scenario import Scenario
 

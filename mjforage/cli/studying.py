@@ -29,7 +29,7 @@ from mjforage.cli.flags import (
 from mjforage.cli.progress import bar, working
 
 if TYPE_CHECKING:
-    from mjforage.runs.study import Study, Variant
+    from mjforage.runs.studies.study import Study, Variant
     from mjforage.scenario.scenario import Scenario as Base
 
 study = cyclopts.App(
@@ -110,7 +110,7 @@ def parts(
     known: Trusted = NOBODY,
 ) -> None:
     """Value of each part of the belief planner, and cost of wrong assumptions."""
-    from mjforage.runs import variants
+    from mjforage.runs.studies import variants
 
     _play("parts", scenario, (), lambda base, _: variants.parts(base), choice, by, again)
 
@@ -127,7 +127,7 @@ def ablation(
     known: Trusted = NOBODY,
 ) -> None:
     """Value of an agent of each team: marginal contributions (the paper's Tables 5 and 6)."""
-    from mjforage.runs import variants
+    from mjforage.runs.studies import variants
 
     _play("ablation", scenario, policy, variants.ablation, choice, by, again)
 
@@ -145,7 +145,7 @@ def corruption(
     known: Trusted = NOBODY,
 ) -> None:
     """Performance as a team's actions become random: sensitivity slopes (CSSC)."""
-    from mjforage.runs import variants
+    from mjforage.runs.studies import variants
 
     def varied(base: "Base", players: Sequence[str]) -> "tuple[Variant, ...]":
         return variants.corruption(base, players, draws.step, draws.whole_team)
@@ -166,7 +166,7 @@ def paper(
     known: Trusted = NOBODY,
 ) -> None:
     """All tables and figures of the paper, with its numbers beside ours."""
-    from mjforage.runs import variants
+    from mjforage.runs.studies import variants
 
     def varied(base: "Base", players: Sequence[str]) -> "tuple[Variant, ...]":
         return variants.paper(base, players, draws.step, draws.whole_team)
@@ -186,7 +186,7 @@ def communication(
     known: Trusted = NOBODY,
 ) -> None:
     """Cost of limited range, quays, latency, losses and budgets of a link, and value of a relay."""
-    from mjforage.runs.communication import communication as varied
+    from mjforage.runs.studies.communication import communication as varied
 
     _play("communication", scenario, policy, varied, choice, by, again)
 
@@ -203,7 +203,7 @@ def sensing(
     known: Trusted = NOBODY,
 ) -> None:
     """Cost of misses and false alarms, and of wrong assumptions about them."""
-    from mjforage.runs.sensing import sensing as varied
+    from mjforage.runs.studies.sensing import sensing as varied
 
     _play("sensing", scenario, policy, varied, choice, by, again)
 
@@ -243,8 +243,8 @@ def board(
         Study folder. An unfinished study of the same settings is resumed.
     """
     from mjforage.base.references import with_options
-    from mjforage.runs.board import board as planned
-    from mjforage.runs.courses import courses_of
+    from mjforage.runs.studies.board import board as planned
+    from mjforage.runs.studies.courses import courses_of
 
     by.workers  # noqa: B018  what is wrong with them is said first
     players, overrides = with_options("policy", policy, set)
@@ -272,7 +272,7 @@ def _play(
     from mjforage.base.references import with_options
     from mjforage.mission.setup import Setup
     from mjforage.runs.identity import pinned
-    from mjforage.runs.study import Study
+    from mjforage.runs.studies.study import Study
     from mjforage.scenario.scenario_file import load_scenario
 
     by.workers  # noqa: B018  what is wrong with them is said first
@@ -287,7 +287,7 @@ def _play(
 
 def _run(plan: "Study", folder: Path, words: str, by: Computing, again: Resuming) -> None:
     """Compute a study and draw its report; `words` are said before the first episode."""
-    from mjforage.runs.study import run_study
+    from mjforage.runs.studies.study import run_study
     from mjforage.view.report.studies import write_study_report
 
     def begin() -> None:

@@ -16,7 +16,7 @@ from mjforage.scenario.capture import (
     load_capture,
     usual_capture,
 )
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.vessel_files import hull_names
 

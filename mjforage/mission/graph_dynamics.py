@@ -19,7 +19,7 @@ from mjforage.mission.initial_state import LEEWAY, InitialState
 from mjforage.mission.item_rule import ItemRule
 from mjforage.mission.moves import Moves, move_length
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
 

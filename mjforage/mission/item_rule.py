@@ -23,7 +23,7 @@ from mjforage.mission.initial_state import (
     to_symmetric,
 )
 from mjforage.mission.task import IDLE, TAKEN
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 
 _AHEAD = 1.0 - 1e-6  # [node] of both offsets together, with room for rounding
 

@@ -26,11 +26,11 @@ from mjforage.mission.ledger import Ledger
 from mjforage.mission.link import exchange_of
 from mjforage.mission.moves import Moves, Resolver, check_preferences
 from mjforage.mission.policy import Policy, UpperBound
-from mjforage.mission.sensing import map_filter, no_shown
-from mjforage.mission.sensing_update import SensingUpdate
+from mjforage.mission.sensors.sensing import map_filter, no_shown
+from mjforage.mission.sensors.sensing_update import SensingUpdate
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import DelayedScans, GroundTruth, Observation, no_delayed_scans
-from mjforage.scenario.fleet import UNLIMITED
+from mjforage.scenario.roles import UNLIMITED
 
 _ONE = np.ones(1, np.int32)
 _TOLD = attrgetter(*Observation._fields[3:14])  # of knowledge

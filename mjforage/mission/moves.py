@@ -16,7 +16,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import DIAGONAL, Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 
 
 @dataclass(frozen=True)

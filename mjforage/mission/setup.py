@@ -15,7 +15,6 @@ from mjforage.mission.initial_state import InitialState, create_initial_state, n
 from mjforage.mission.link.reach import reach_m
 from mjforage.mission.moves import Corruption, MoveRules
 from mjforage.mission.task import Task
-from mjforage.scenario.fleet import Fleet
 from mjforage.scenario.maps import (
     GridMap,
     check_starts,
@@ -24,6 +23,7 @@ from mjforage.scenario.maps import (
     load_starts,
     reachable_share,
 )
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.sizes import check_memory, map_bytes, map_costs, mission_bytes
 

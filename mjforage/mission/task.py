@@ -12,8 +12,8 @@ from mjforage.graph_planner.graph.geodesics import Float32Array, Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.moves import MoveRules, all_targets
-from mjforage.scenario.fleet import Fleet
 from mjforage.scenario.prior import Prior
+from mjforage.scenario.roles import Fleet
 
 NEVER = np.int16(-32768)
 """Value of `last_seen` for a node that no agent has seen yet."""

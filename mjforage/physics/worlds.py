@@ -14,7 +14,7 @@ from mjforage.mission.graph_dynamics import GraphDynamics
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
 Factory = Callable[[NavigationGraph, Fleet, Scenario, TrajectoryRecorder | None], Dynamics]

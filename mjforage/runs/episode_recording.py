@@ -15,7 +15,7 @@ from mjforage.base.errors import UserError
 from mjforage.runs.knowledge_record import AXES as HELD_AXES
 from mjforage.runs.knowledge_record import KnowledgeRecord
 from mjforage.runs.run_info import again
-from mjforage.scenario.fleet import agent_names
+from mjforage.scenario.roles import agent_names
 from mjforage.scenario.sizes import check_memory
 
 _DAMAGED = (

@@ -17,8 +17,8 @@ from mjforage.base.atomic_files import write_json
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.policies.registry import check_policies
-from mjforage.mission.mission_metrics import chosen_metrics
-from mjforage.mission.mission_metrics.known import course_metrics
+from mjforage.mission.scoring import chosen_metrics
+from mjforage.mission.scoring.known import course_metrics
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.run_warnings import run_warnings

@@ -20,7 +20,7 @@ from mjforage.graph_planner.policies.registry import (
     policy_files,
     policy_parts,
 )
-from mjforage.mission.mission_metrics import Metric, chosen_metrics, description
+from mjforage.mission.scoring import Metric, chosen_metrics, description
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import WORLDS
 from mjforage.runs.fingerprint import Code, our_code, outside_code

@@ -23,7 +23,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.registry import ImportSpec, blamed, trust, trusted
 from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policies.registry import add_policy
-from mjforage.mission.mission_metrics import (
+from mjforage.mission.scoring import (
     Metric,
     Scorer,
     chosen_metrics,

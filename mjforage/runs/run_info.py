@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.fields import Note, Within
-from mjforage.mission.mission_metrics import Description
+from mjforage.mission.scoring import Description
 from mjforage.runs.foreign import check_files, check_length, check_names, own_command
 from mjforage.scenario.schema import OPEN, check
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.mission.dynamics import OUTCOMES
 from mjforage.mission.episode_log import EpisodeLog
-from mjforage.mission.mission_metrics import Scores
+from mjforage.mission.scoring import Scores
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import PICKUPS
 from mjforage.runs.parquet import read_parquet, read_schema, spoilt

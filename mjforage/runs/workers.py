@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from mjforage.base.errors import UserError
 from mjforage.base.registry import ImportSpec
 from mjforage.graph_planner.policies.registry import own_weights, policy_import_spec
-from mjforage.mission.mission_metrics import chosen_metrics, import_specs_of
+from mjforage.mission.scoring import chosen_metrics, import_specs_of
 from mjforage.runs import cluster
 from mjforage.runs.costs import Invocation
 

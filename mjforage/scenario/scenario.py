@@ -11,8 +11,8 @@ from typing import Annotated, Literal
 
 from mjforage.base.fields import Within, source
 from mjforage.scenario.bearings import Bearing
-from mjforage.scenario.fleet import Role
 from mjforage.scenario.prior import Prior
+from mjforage.scenario.roles import Role
 
 _Cell = Annotated[int, Within(-(2**63), 2**63 - 1)]  # of a grid; the map says which there are
 _OAK = source("Luxonis OAK-D W: depth error below 2, 4, 6 % up to 3.5, 6.5, 9 m; 127 deg")

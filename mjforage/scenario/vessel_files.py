@@ -5,7 +5,7 @@ from pathlib import Path
 
 from mjforage.base.errors import UserError
 from mjforage.scenario.assets import models_folder
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Physics
 
 _CAPTURE = ".capture.toml"  # beside a vessel's file: how it picks up

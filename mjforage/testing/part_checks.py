@@ -14,8 +14,8 @@ from mjforage.learning.environments.rewards import RewardTerms, term_class
 from mjforage.learning.environments.spaces import MASK
 from mjforage.mission.episode_log import Tracks
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import METRICS, Metric, Scorer, chosen_metrics
-from mjforage.mission.mission_metrics.known import checked
+from mjforage.mission.scoring import METRICS, Metric, Scorer, chosen_metrics
+from mjforage.mission.scoring.known import checked
 from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks

@@ -18,8 +18,8 @@ from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.physics.weather.field import Field
 from mjforage.physics.weather.settings import WeatherSettings
-from mjforage.scenario.fleet import Fleet, Role
 from mjforage.scenario.maps import load_map
+from mjforage.scenario.roles import Fleet, Role
 
 FloatArray = NDArray[np.float64]
 NodeArray = NDArray[np.int32]

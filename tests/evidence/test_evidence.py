@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mjforage.base.references import with_options
 from mjforage.cli.commands import app
 from mjforage.graph_planner.policies.registry import policy_label
-from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.mission.scoring import chosen_metrics
 from mjforage.scenario.scenario_file import load_scenario
 from tests.documents.blocks import pages
 from tests.evidence import __main__ as making

@@ -9,7 +9,7 @@ from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.moves import MoveRules
 from mjforage.mission.policy import UpperBound
 from mjforage.mission.task import NEVER, GroundTruth, Observation, Task, no_delayed_scans
-from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.roles import Fleet, Role
 
 FREE = MoveRules(stay=True, shorten=True)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.encodings.encoder import MOST_ITEMS
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
-from mjforage.scenario.fleet import UNLIMITED
+from mjforage.scenario.roles import UNLIMITED
 
 CHANNELS = (
     *("water", "idleness", "belief", "items", "time"),

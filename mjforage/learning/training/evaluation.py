@@ -14,8 +14,8 @@ from mjforage.base.errors import UserError
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.task_families import ends, scenarios_of
 from mjforage.learning.training.tasks import common_shapes
-from mjforage.mission.mission_metrics import METRICS, Scorer
 from mjforage.mission.policy import Policy
+from mjforage.mission.scoring import METRICS, Scorer
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario import Scenario
 

@@ -16,7 +16,7 @@ from mjforage.mission.link.propagation import (
     two_ray_loss_db,
     walls_between,
 )
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Link
 
 MODELS = ("none", "disk", "log-distance", "two-ray")

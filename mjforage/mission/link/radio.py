@@ -16,9 +16,9 @@ from mjforage.mission.exchange import Exchange, Ideal, LinkLog
 from mjforage.mission.knowledge import Knowledge, Scans
 from mjforage.mission.link.contacts import Air, Contacts, connect
 from mjforage.mission.link.gossip import Inbox, Terms, Traffic, arrivals, inbox, pass_on, traffic
-from mjforage.mission.map_filter import MapFilter, correct, glimpse, round_off
 from mjforage.mission.scan_log import ScanLog, log_scans, take_in
-from mjforage.mission.sensing import map_filter
+from mjforage.mission.sensors.map_filter import MapFilter, correct, glimpse, round_off
+from mjforage.mission.sensors.sensing import map_filter
 from mjforage.mission.task import DelayedScans, Task
 from mjforage.scenario.scenario import Scenario
 

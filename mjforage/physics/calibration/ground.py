@@ -11,7 +11,7 @@ from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navig
 from mjforage.mission.initial_state import InitialState, nearest_nodes
 from mjforage.mission.moves import Moves
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
-from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.roles import Fleet, Role
 from mjforage.scenario.scenario import MapChoice, Physics, Scenario, Sensors, Weather
 
 FloatArray = NDArray[np.float64]

@@ -10,7 +10,7 @@ from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.scene import Scene, build_scene, load_debris
 from mjforage.physics.vessels import Vessel, load_vessel
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Physics
 from mjforage.scenario.vessel_files import hull_names
 

@@ -56,7 +56,7 @@ from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.weather import Field, WeatherSettings, flow_in
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
 CONTROL_S = 0.1  # controllers run at 10 Hz

@@ -6,7 +6,7 @@ from typing import TypeVar
 import numpy as np
 
 from mjforage.metrics import holm, paired_p
-from mjforage.mission.mission_metrics import Description
+from mjforage.mission.scoring import Description
 from mjforage.view.report.run_logs import Case, FloatArray, RunLogs
 
 Name = TypeVar("Name")

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from mjforage.mission.mission_metrics import Description
+from mjforage.mission.scoring import Description
 from mjforage.runs.run_info import RunInfo
 from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report.run_logs import Case

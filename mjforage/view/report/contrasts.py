@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from mjforage.metrics import probability_of_improvement, statistics
-from mjforage.mission.mission_metrics import Description
+from mjforage.mission.scoring import Description
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.cells import (
     NORMAL_95,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mjforage.metrics import Interval, holm, paired_difference, paired_p, statistics
-from mjforage.mission.mission_metrics import Description
+from mjforage.mission.scoring import Description
 from mjforage.view.page.table import NOTHING, Number
 from mjforage.view.report.cells import (
     NORMAL_95,

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
-from mjforage.mission.mission_metrics import Description, describe
+from mjforage.mission.scoring import Description, describe
 from mjforage.view.page import style
 from mjforage.view.page.figure import (
     WIDTH_IN,

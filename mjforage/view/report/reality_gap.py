@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from mjforage.mission.mission_metrics import describe
+from mjforage.mission.scoring import describe
 from mjforage.physics.worlds import added
 from mjforage.scenario.scenario_file import scenario_from_tree
 from mjforage.view.page.table import Table

@@ -12,7 +12,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.mission.mission_metrics import Description, chosen_metrics, describe, description
+from mjforage.mission.scoring import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.parquet import collected, count_rows, read_schema, scan_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json

@@ -11,7 +11,7 @@ import polars as pl
 
 from mjforage.base.atomic_files import write_bytes, write_errors
 from mjforage.base.errors import UserError
-from mjforage.mission.mission_metrics import Description
+from mjforage.mission.scoring import Description
 from mjforage.runs.run_info import load_run, read_json
 from mjforage.view.page import Row, Table
 from mjforage.view.page.table_files import write_table

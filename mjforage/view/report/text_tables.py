@@ -6,7 +6,7 @@ from typing import Any
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from mjforage.mission.mission_metrics import Description, describe
+from mjforage.mission.scoring import Description, describe
 from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report.best_marks import NOTE, best_of

@@ -19,7 +19,7 @@ from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import Observation
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import observation_of, task_of
 
 SEA = navigation_graph(np.ones((30, 30), np.bool_), 1.0, False)

@@ -8,7 +8,7 @@ from mjforage.graph_planner.belief_planner.foraging import USUAL_STEP, Collectin
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import Pickup
-from mjforage.scenario.fleet import UNLIMITED, Role
+from mjforage.scenario.roles import UNLIMITED, Role
 from tests.graph_planner.driver import task_of
 
 SEA = navigation_graph(np.ones((9, 9), np.bool_), 1.0, False)

@@ -15,7 +15,7 @@ from mjforage.graph_planner.belief_planner.view_history import remember, view_hi
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import NEVER
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import observation_of, task_of
 
 SEA = navigation_graph(np.ones((12, 30), np.bool_), 1.0, False)

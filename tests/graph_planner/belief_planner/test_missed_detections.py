@@ -13,7 +13,7 @@ from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.spatial_prior import spatial_prior_of
 from mjforage.graph_planner.belief_planner.view_history import remember, view_history
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.mission.detection import real_if_missed, real_if_new, real_if_seen
+from mjforage.mission.sensors.detection import real_if_missed, real_if_new, real_if_seen
 
 SEA = navigation_graph(np.ones((20, 20), np.bool_), 1.0, False)
 BOUNDARY, KEY, NODES = boundary_of(SEA), np.uint64(5), 400

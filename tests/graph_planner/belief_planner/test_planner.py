@@ -13,8 +13,8 @@ from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph
 from mjforage.graph_planner.policies import create_policy, is_upper_bound
 from mjforage.graph_planner.policies.belief import BeliefPolicy
 from mjforage.mission.task import NEVER
-from mjforage.scenario.fleet import Role
 from mjforage.scenario.prior import Prior
+from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import observation_of, preferences, task_of
 
 N, NE, E, SE, S, SW, W, NW, STAY = range(9)

@@ -17,7 +17,7 @@ from mjforage.graph_planner.belief_planner.sweeps import (
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import task_of
 
 F64 = NDArray[np.float64]

@@ -9,7 +9,7 @@ from mjforage.graph_planner.encodings.encoder import Levels
 from mjforage.graph_planner.encodings.move_features import MOVE_FEATURES
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
 from mjforage.mission.task import Task
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
 

@@ -3,7 +3,7 @@ import numpy as np
 from mjforage.graph_planner.encodings import LegalMoves
 from mjforage.graph_planner.graph.navigation import STAY, navigation_graph
 from mjforage.mission.moves import MoveRules
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import task_of
 

@@ -2,7 +2,7 @@ import numpy as np
 
 from mjforage.graph_planner.encodings.paper_channels import PaperChannels
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
 

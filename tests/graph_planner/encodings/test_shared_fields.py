@@ -18,7 +18,7 @@ from mjforage.graph_planner.encodings.samples import (
 from mjforage.graph_planner.encodings.shared_fields import AGAIN_RADIUS
 from mjforage.graph_planner.encodings.unseen import Unseen, list_nodes
 from mjforage.graph_planner.graph.navigation import STAY, navigation_graph
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
 

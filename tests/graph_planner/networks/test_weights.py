@@ -24,7 +24,7 @@ from mjforage.graph_planner.networks.weights import (
 )
 from mjforage.graph_planner.policies.ddqn import QPolicy
 from mjforage.mission.task import Task
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import observation_of, task_of
 
 

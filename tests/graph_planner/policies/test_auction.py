@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
-from mjforage.graph_planner.planning.auctions import BID_RULES, Bidders, Lots, sell_items
 from mjforage.graph_planner.policies import create_policy
+from mjforage.graph_planner.policy_parts.auctions import BID_RULES, Bidders, Lots, sell_items
 from mjforage.mission.task import Observation, Task
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, preferences, task_of
 

@@ -8,7 +8,7 @@ from mjforage.graph_planner.dec_mcts.context import DecisionContext
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.task import Observation
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import FREE, observation_of, preferences, task_of
 
 N, NE, E, SE, S, SW, W, NW = range(8)

@@ -9,13 +9,13 @@ from scipy import stats
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, episode_keys, stream_key
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
-from mjforage.graph_planner.planning.walking import Walker, levy_length
 from mjforage.graph_planner.policies import create_policy, register
 from mjforage.graph_planner.policies.greedy import _saturation
 from mjforage.graph_planner.policies.lawnmower import LawnmowerPolicy, lane_corners
 from mjforage.graph_planner.policies.registry import policy_files
+from mjforage.graph_planner.policy_parts.walking import Walker, levy_length
 from mjforage.mission.moves import MoveRules
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import FREE, observation_of, preferences, task_of
 

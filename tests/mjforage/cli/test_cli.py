@@ -13,7 +13,7 @@ from mjforage.bench.running import Rate
 from mjforage.cli.commands import app
 from mjforage.cli.studying import study
 from mjforage.graph_planner.policies import policy_names
-from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.mission.scoring import chosen_metrics
 from mjforage.scenario.scenario_file import load_scenario, preset_names
 from tests.mjforage.cli.short_runs import EVALUATE, GREEDY, Refused
 

@@ -11,7 +11,7 @@ import pytest
 
 from mjforage.cli import console
 from mjforage.graph_planner.policies import policy_names
-from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.mission.scoring import chosen_metrics
 from mjforage.view.report import terminal_table
 from tests.mjforage.cli.short_runs import EVALUATE, Refused
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.scoring import Scorer
 from mjforage.mission.task import NEVER, Observation
-from mjforage.scenario.fleet import UNLIMITED
+from mjforage.scenario.roles import UNLIMITED
 from tests.mjforage.mission.slow_link import SlowLink
 from tests.mjforage.mission.slow_minds import Mind, Scan
 from tests.mjforage.mission.slow_mission import SlowMission

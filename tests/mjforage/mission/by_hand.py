@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.mission.setup import Setup
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from mjforage.scenario.scenario import Items, MapChoice, Scenario, Weather
 
 PITCH_M, PERIOD_S = 5.0, 8.0

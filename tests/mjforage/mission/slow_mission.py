@@ -14,7 +14,7 @@ from scipy.ndimage import gaussian_filter
 from mjforage.base.randomness import Stream, episode_keys, normal, stream_key
 from mjforage.mission.initial_state import item_noise
 from mjforage.mission.setup import Setup
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.mjforage.mission.slow_link import SlowLink
 from tests.mjforage.mission.slow_map import COMPASS, SlowMap
 from tests.mjforage.mission.slow_minds import Mind, Scan, SensorConfig, drawn

@@ -30,7 +30,7 @@ from mjforage.scenario.capture import (
     CaptureFollow,
     load_capture,
 )
-from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.roles import Fleet, Role
 from mjforage.scenario.scenario_file import load_scenario
 from tests.graph_planner.charts import grid
 

@@ -10,7 +10,7 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.forecasts import Forecasts
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario_file import load_scenario
 

@@ -9,7 +9,7 @@ from mjforage.graph_planner.graph.walls import WALLS
 from mjforage.mission.dynamics import start_state
 from mjforage.mission.initial_state import InitialState
 from mjforage.mission.item_rule import ItemRule
-from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.roles import Fleet, Role
 from tests.graph_planner.charts import grid
 
 SCOUT = Fleet.of({"scouts": Role(count=1, moves=1, radius=1.0, collects=False)})

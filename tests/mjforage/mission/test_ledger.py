@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from mjforage.scenario.scenario import Sensors
 from tests.mjforage.mission.watching import Watched, task_of
 

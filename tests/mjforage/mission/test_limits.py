@@ -6,7 +6,7 @@ import pytest
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
-from mjforage.scenario.fleet import UNLIMITED
+from mjforage.scenario.roles import UNLIMITED
 from mjforage.scenario.scenario_file import load_scenario
 
 SHORT = "horizon=70"

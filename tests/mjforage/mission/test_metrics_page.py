@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.mission.mission_metrics import METRICS, describe
+from mjforage.mission.scoring import METRICS, describe
 
 FOLDER = Path(__file__).parents[3] / "docs" / "concepts"
 PAGE = (FOLDER / "metrics.md").read_text("utf-8")

@@ -6,7 +6,7 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.walls import WALLS
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import Observation, Task
 from mjforage.scenario.scenario_file import load_scenario

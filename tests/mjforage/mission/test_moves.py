@@ -6,7 +6,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
 from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver, free_move
-from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.roles import Fleet, Role
 from tests.graph_planner.charts import grid
 
 N, E, S, W = 0, 2, 4, 6

@@ -11,7 +11,7 @@ from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.plain import Plain, plain_truth
 from mjforage.mission.task import GroundTruth, Observation, Task
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import observation_of, task_of, truth_of
 
 OPEN = navigation_graph(np.ones((6, 7), np.bool_), 1.0, True)

@@ -8,7 +8,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.mission.agreeing import SlowScores, play, score_alike

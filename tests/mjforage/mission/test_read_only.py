@@ -15,8 +15,8 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.base.views import CachedViews, read_only
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, StepView
-from mjforage.mission.mission_metrics.scoring import Scorer
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
+from mjforage.mission.scoring.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.physics.worlds import create_mission

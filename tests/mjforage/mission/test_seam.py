@@ -14,7 +14,7 @@ from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.exchange import Exchange
 from mjforage.mission.knowledge import Knowledge, Scans, receive
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import Task, no_delayed_scans
 from mjforage.scenario.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree

@@ -10,10 +10,10 @@ from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.knowledge import Knowledge, Scans
 from mjforage.mission.ledger import Ledger
 from mjforage.mission.moves import MoveRules
-from mjforage.mission.sensing import map_filter, no_shown
-from mjforage.mission.sensing_update import SensingUpdate
+from mjforage.mission.sensors.sensing import map_filter, no_shown
+from mjforage.mission.sensors.sensing_update import SensingUpdate
 from mjforage.mission.task import Task
-from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.roles import Fleet, Role
 from mjforage.scenario.scenario import Sensors
 from mjforage.scenario.scenario_file import load_scenario
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.graph_planner.planning.auctions import BID_RULES
+from mjforage.graph_planner.policy_parts.auctions import BID_RULES
 from mjforage.mission.moves import MoveRules
 from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario import Scenario

@@ -11,7 +11,7 @@ from mjforage.mission.mission import Mission
 from mjforage.mission.policy import UpperBound
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import Observation
-from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.options.scenes import overrides_of
 

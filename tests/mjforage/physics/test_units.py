@@ -14,7 +14,7 @@ from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.moves import Moves
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.worlds import WORLDS, create_mission
-from mjforage.scenario.fleet import Role
+from mjforage.scenario.roles import Role
 from mjforage.scenario.scenario import MapChoice, Weather
 from tests.mjforage.mission.by_hand import (
     CALM,

@@ -14,12 +14,13 @@ from types import SimpleNamespace
 import pytest
 
 from mjforage.mission.setup import Setup
-from mjforage.runs import cluster, variants
+from mjforage.runs import cluster
 from mjforage.runs.costs import Invocation, load_costs
 from mjforage.runs.evaluate import Run
 from mjforage.runs.jobs import Job, run_chunk
 from mjforage.runs.layout import plan
-from mjforage.runs.study import Study, run_study
+from mjforage.runs.studies import variants
+from mjforage.runs.studies.study import Study, run_study
 from mjforage.runs.workers import Workers
 from mjforage.scenario.scenario_file import load_scenario
 

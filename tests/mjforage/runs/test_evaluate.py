@@ -12,7 +12,7 @@ import pytest
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.networks.weights import shipped_weights
 from mjforage.graph_planner.policies.registry import check_policies
-from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.mission.scoring import chosen_metrics
 from mjforage.mission.setup import Setup
 from mjforage.runs import evaluate as module
 from mjforage.runs import fingerprint, layout

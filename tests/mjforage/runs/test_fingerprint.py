@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.mission.mission_metrics import Metric
+from mjforage.mission.scoring import Metric
 from mjforage.runs.fingerprint import Code, our_code, outside_code
 
 

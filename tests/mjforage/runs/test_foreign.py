@@ -20,7 +20,7 @@ from mjforage.runs.foreign import own_command
 from mjforage.runs.resuming import archive, open_folder
 from mjforage.runs.run_info import again, load_run, read_json
 from mjforage.runs.selection import recording_file
-from mjforage.runs.study import load_study_info
+from mjforage.runs.studies.study import load_study_info
 from mjforage.scenario import sizes
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report import write_report

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mjforage.mission.mission_metrics import Metric
+from mjforage.mission.scoring import Metric
 from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.identity import hull_facts, pinned, run_hash, run_info
 from mjforage.runs.resuming import Difference, differences, refusal
 from mjforage.runs.run_info import RunInfo
 from mjforage.runs.storage import IDENTITY, RunFolder
-from mjforage.runs.study import Study, Variant, run_study
+from mjforage.runs.studies.study import Study, Variant, run_study
 from mjforage.scenario.assets import models_folder
 from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.changing import assert_refused, changes, leaves, with_other

@@ -22,11 +22,11 @@ from mjforage.graph_planner.policies import register
 from mjforage.graph_planner.policies.registry import POLICIES
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import Observation, Task
-from mjforage.runs import variants
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.replaying import recording_of_run
 from mjforage.runs.storage import RunFolder
-from mjforage.runs.study import Study, run_study
+from mjforage.runs.studies import variants
+from mjforage.runs.studies.study import Study, run_study
 from mjforage.runs.workers import Workers
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.run_logs import load_logs

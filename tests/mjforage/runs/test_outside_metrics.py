@@ -14,20 +14,20 @@ import polars as pl
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.mission.mission_metrics import METRICS, chosen_metrics, describe
-from mjforage.mission.mission_metrics.known import checked
-from mjforage.mission.mission_metrics.metric import Metric
+from mjforage.mission.scoring import METRICS, chosen_metrics, describe
+from mjforage.mission.scoring.known import checked
+from mjforage.mission.scoring.metric import Metric
 from mjforage.mission.setup import Setup
-from mjforage.runs import variants
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.fingerprint import outside_code
 from mjforage.runs.storage import RunFolder
-from mjforage.runs.study import Study, run_study
+from mjforage.runs.studies import variants
+from mjforage.runs.studies.study import Study, run_study
 from mjforage.runs.workers import Workers
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.cells import number
 
-SOURCE = '''from mjforage.mission.mission_metrics import Batch, Metric
+SOURCE = '''from mjforage.mission.scoring import Batch, Metric
 
 
 class Waste(Metric):

@@ -6,7 +6,7 @@ import polars as pl
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.mission.scoring import chosen_metrics
 from mjforage.runs.tables import METRIC_COLUMNS, SCHEMAS, TABLES, check_table, read_table
 
 HORIZON = 12

@@ -78,7 +78,7 @@ def test_the_memory_of_a_replay_is_what_its_arrays_take() -> None:
 
 def test_the_estimate_covers_a_batch_and_is_not_ten_times_too_large() -> None:
     """Arrays of a mission that is logged, against the estimate for it."""
-    from mjforage.mission.mission_metrics import Scorer
+    from mjforage.mission.scoring import Scorer
 
     chosen, episodes = setup("horizon=100", "team.scouts.count=20"), 10
     mission = Mission(chosen)

@@ -8,13 +8,13 @@ import pytest
 
 from mjforage.graph_planner.encodings import ENCODERS
 from mjforage.learning.environments.rewards import REWARDS
-from mjforage.mission.mission_metrics import METRICS
+from mjforage.mission.scoring import METRICS
 from mjforage.testing import ConformanceError, check_metric, check_observation, check_reward
 from mjforage.testing.part_checks import METRIC_CHECKS, OBSERVATION_CHECKS, REWARD_CHECKS
 
 SHORT = ("horizon=5",)
 SOURCE = '''import numpy as np
-from mjforage.mission.mission_metrics import Metric
+from mjforage.mission.scoring import Metric
 
 
 class Count(Metric):

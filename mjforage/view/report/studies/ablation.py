@@ -1,8 +1,8 @@
 """Contribution of an agent of each team: the paper's Tables 5 and 6."""
 
 from mjforage.metrics import paired_contribution, paired_p
-from mjforage.mission.mission_metrics import describe
-from mjforage.runs.variants import COMPLETE, lesser_name
+from mjforage.mission.scoring import describe
+from mjforage.runs.studies.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
 from mjforage.view.page.figure import ReportFigure
 from mjforage.view.page.table import Row, Table

@@ -7,9 +7,9 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
-from mjforage.mission.mission_metrics import describe
-from mjforage.runs.axes import OWN, Axis
-from mjforage.runs.variants import COMPLETE
+from mjforage.mission.scoring import describe
+from mjforage.runs.studies.axes import OWN, Axis
+from mjforage.runs.studies.variants import COMPLETE
 from mjforage.view.page import style
 from mjforage.view.page.figure import WIDE_IN, ReportFigure, canvas, house_style
 from mjforage.view.page.table import Table

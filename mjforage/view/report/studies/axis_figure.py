@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from mjforage.mission.mission_metrics import Description, describe
-from mjforage.runs.axes import Axis, Point
+from mjforage.mission.scoring import Description, describe
+from mjforage.runs.studies.axes import Axis, Point
 from mjforage.view.page import style
 from mjforage.view.page.figure import (
     WIDE_IN,

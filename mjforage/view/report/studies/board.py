@@ -1,6 +1,6 @@
 """The board: every policy on several tasks, together and one by one, and what they are."""
 
-from mjforage.runs.board import CEILING
+from mjforage.runs.studies.board import CEILING
 from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.report_page import map_words

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from mjforage.metrics import pareto_front, performance_profile
-from mjforage.mission.mission_metrics import Description, describe
+from mjforage.mission.scoring import Description, describe
 from mjforage.view.page import style
 from mjforage.view.page.figure import (
     WIDE_IN,

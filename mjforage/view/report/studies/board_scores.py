@@ -8,9 +8,9 @@ from scipy.stats import rankdata
 
 from mjforage.metrics import normalised, paired_p, resampled_means
 from mjforage.metrics.resampling import percentiles
-from mjforage.mission.mission_metrics import Description, describe
-from mjforage.runs.board import CEILING, FLOOR
+from mjforage.mission.scoring import Description, describe
 from mjforage.runs.costs import Cost
+from mjforage.runs.studies.board import CEILING, FLOOR
 from mjforage.view.page import style
 from mjforage.view.page.table import Number
 from mjforage.view.report.best_marks import LEVEL, best_and_alike

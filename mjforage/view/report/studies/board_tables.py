@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mjforage.metrics import bootstrap, iqm
-from mjforage.mission.mission_metrics import describe
+from mjforage.mission.scoring import describe
 from mjforage.view.page.figure import joined
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.best_marks import FEWEST, LEVEL, against_best, best

@@ -1,7 +1,7 @@
 """Effect of a communication link: performance over its limits, and the value of range."""
 
-from mjforage.runs.communication import AXES
-from mjforage.runs.variants import COMPLETE
+from mjforage.runs.studies.communication import AXES
+from mjforage.runs.studies.variants import COMPLETE
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.along_axes import reference_table, series_picture, tables_along
 from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure

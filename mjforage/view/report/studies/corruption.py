@@ -19,8 +19,8 @@ from mjforage.metrics import (
     sensitivity_slope,
     two_segment_fit,
 )
-from mjforage.mission.mission_metrics import describe
-from mjforage.runs.variants import corrupted_name, levels
+from mjforage.mission.scoring import describe
+from mjforage.runs.studies.variants import corrupted_name, levels
 from mjforage.view.page import style
 from mjforage.view.page.figure import (
     WIDTH_IN,

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from mjforage.mission.mission_metrics import Description
+from mjforage.mission.scoring import Description
 from mjforage.view.page import style
 from mjforage.view.page.figure import WIDE_IN, ReportFigure, canvas, house_style, mathtext
 from mjforage.view.report.differences import FEWEST, Estimate, family_note, set_apart

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjforage.mission.mission_metrics import describe
-from mjforage.runs.variants import COMPLETE, lesser_name
+from mjforage.mission.scoring import describe
+from mjforage.runs.studies.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
 from mjforage.view.page.figure import house_style
 from mjforage.view.page.table import NOTHING, Number, Row, Table

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from mjforage.mission.mission_metrics import describe
-from mjforage.runs.variants import BASELINES, COMPLETE, FAST, PARTS, ROBUST, WRONG, without
+from mjforage.mission.scoring import describe
+from mjforage.runs.studies.variants import BASELINES, COMPLETE, FAST, PARTS, ROBUST, WRONG, without
 from mjforage.view.page.figure import ReportFigure
 from mjforage.view.page.table import Table
 from mjforage.view.report.contrasts import Contrast, differences_table, means_table

@@ -5,7 +5,7 @@ from itertools import pairwise
 from math import isfinite
 
 from mjforage.metrics import cost_of_information, paired_p
-from mjforage.runs.axes import Axis, Point
+from mjforage.runs.studies.axes import Axis, Point
 from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING, Table
 from mjforage.view.report.cells import Cell, row

@@ -1,6 +1,6 @@
 """Effect of missed detections and false alarms, and of wrong assumptions about them."""
 
-from mjforage.runs.sensing import ASSUMPTIONS, AXES, PLANNER, SLOPE_NODE
+from mjforage.runs.studies.sensing import ASSUMPTIONS, AXES, PLANNER, SLOPE_NODE
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.along_axes import tables_along
 from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from mjforage.base.errors import UserError
-from mjforage.mission.mission_metrics import Description, describe
+from mjforage.mission.scoring import Description, describe
 from mjforage.runs.costs import Cost, load_costs
 from mjforage.runs.run_info import RunInfo, again
-from mjforage.runs.study import StudyInfo, load_study_info, variant_folder
+from mjforage.runs.studies.study import StudyInfo, load_study_info, variant_folder
 from mjforage.view.page import style
 from mjforage.view.report.run_logs import Case, RunLogs, load_logs
 

@@ -17,7 +17,7 @@ from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import METRICS, Scorer
+from mjforage.mission.scoring import METRICS, Scorer
 from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import load_scenario

@@ -21,7 +21,7 @@ from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import METRICS, Scorer
+from mjforage.mission.scoring import METRICS, Scorer
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.assets import models_folder

@@ -11,7 +11,7 @@ from mjforage.graph_planner.networks import weights
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario_file import load_scenario
 

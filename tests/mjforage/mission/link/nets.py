@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.link import Radio
 from mjforage.mission.mission import Mission
-from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario_file import load_scenario
 

@@ -10,7 +10,7 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.mission.episode_log import EpisodeLog
-from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.scoring import Scorer
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics

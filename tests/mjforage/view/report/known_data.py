@@ -20,7 +20,7 @@ from mjforage.metrics import summarise
 from mjforage.mission.setup import Setup
 from mjforage.runs.costs import Cost
 from mjforage.runs.run_info import Agent, Hulls, MapInfo, RunInfo
-from mjforage.runs.study import StudyInfo, VariantInfo
+from mjforage.runs.studies.study import StudyInfo, VariantInfo
 from mjforage.scenario.scenario_file import load_scenario, scenario_to_tree
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.run_logs import RunLogs, Summaries, Summary

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.mission.scoring import chosen_metrics
 from mjforage.runs.episode_recording import Recording
 
 FLOATS = tuple(one.key for one in chosen_metrics())

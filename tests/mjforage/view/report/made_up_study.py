@@ -10,7 +10,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from mjforage.metrics import summarise
-from mjforage.runs.study import variant_folder
+from mjforage.runs.studies.study import variant_folder
 from mjforage.view.report.run_logs import Summary
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
 from tests.mjforage.view.report.made_up_episodes import Plan

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mjforage.metrics import Interval
-from mjforage.mission.mission_metrics import describe
+from mjforage.mission.scoring import describe
 from mjforage.view.report import write_report
 from mjforage.view.report.differences import (
     LEVEL,

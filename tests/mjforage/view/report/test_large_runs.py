@@ -10,7 +10,7 @@ import pytest
 from matplotlib.collections import PathCollection
 
 from mjforage.metrics import paired_difference
-from mjforage.mission.mission_metrics import describe
+from mjforage.mission.scoring import describe
 from mjforage.view.page import Row, Table, embedded_within
 from mjforage.view.page.figure import ReportFigure, canvas
 from mjforage.view.report import write_report

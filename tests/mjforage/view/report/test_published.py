@@ -7,7 +7,7 @@ import pytest
 
 from mjforage.base.atomic_files import write_json
 from mjforage.metrics import marginal_contribution
-from mjforage.mission.mission_metrics import describe
+from mjforage.mission.scoring import describe
 from mjforage.mission.setup import Setup
 from mjforage.runs.identity import run_info
 from mjforage.runs.run_info import RunInfo, load_run

@@ -8,8 +8,8 @@ import polars as pl
 import pytest
 from matplotlib.lines import Line2D
 
-from mjforage.runs.axes import Axis, Point
-from mjforage.runs.study import variant_folder
+from mjforage.runs.studies.axes import Axis, Point
+from mjforage.runs.studies.study import variant_folder
 from mjforage.view.page.style import policy_colour
 from mjforage.view.report.studies.along_axes import (
     reference_table,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mjforage.runs.variants import corrupted_name
+from mjforage.runs.studies.variants import corrupted_name
 from mjforage.view.page.style import policy_colour
 from mjforage.view.report.studies import corruption, paper
 from mjforage.view.report.studies.study_logs import StudyLogs

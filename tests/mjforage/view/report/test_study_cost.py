@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from mjforage.runs.costs import Cost
-from mjforage.runs.study import StudyInfo
+from mjforage.runs.studies.study import StudyInfo
 from mjforage.view.page.table import Table
 from mjforage.view.report.studies.cost import cost_table, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs

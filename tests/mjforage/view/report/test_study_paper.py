@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from mjforage.mission.setup import Setup
-from mjforage.runs import variants
-from mjforage.runs.study import Study, run_study
-from mjforage.runs.variants import corrupted_name
+from mjforage.runs.studies import variants
+from mjforage.runs.studies.study import Study, run_study
+from mjforage.runs.studies.variants import corrupted_name
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.page.html import environment
 from mjforage.view.page.table import NOTHING, Number, Row, Table

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mjforage.runs.variants import PARTS, ROBUST, WRONG, without
+from mjforage.runs.studies.variants import PARTS, ROBUST, WRONG, without
 from mjforage.view.page.table import Table
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import planner_parts

@@ -1,0 +1,50 @@
+"""Age of information: how old what agents know of the map is."""
+
+import numpy as np
+
+from mjforage import metrics
+from mjforage.mission.scoring.known import metric
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
+
+
+@metric
+class AgeOfInformation(Metric):
+    """Mean over the navigable nodes of the steps since a scan that the owner has received saw them,
+    T if none; mean over the owners, time mean.
+
+    `docs/concepts/metrics.md`. Without a link one owner receives all scans.
+    """
+
+    key, label, unit, better, digits = "aoi", "AoI", "steps", -1, 2
+    compared, top = False, 0.0
+
+    def at(self, view: StepView) -> FloatArray:
+        """(open,) mean over the owners, now [step]."""
+        mission, owners = view.mission, view.mission.exchange.owners
+        now = mission.step if owners == 1 else np.repeat(mission.step, owners)
+        last_seen = mission.exchange.knowledge.last_seen  # of all: copies of some take longer
+        ages = metrics.age_of_information(last_seen, now, mission.task.horizon)
+        if owners > 1:
+            ages = ages.reshape(-1, owners).mean(axis=1)
+        return ages[view.episodes]
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [step]."""
+        return np.asarray(batch.course(AgeOfInformation).mean(axis=1))
+
+
+@metric
+class PeakAge(Metric):
+    """Largest AoI from its lowest value on: how far maps age again once they were known best.
+
+    The first value would always be the largest, as nobody has seen anything yet.
+    """
+
+    key, label, unit, better, digits = "aoi_peak", "AoI_peak", "steps", -1, 2
+    compared, drawn = False, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [step]."""
+        course = batch.course(AgeOfInformation)
+        since = np.arange(course.shape[1]) >= course.argmin(axis=1)[:, None]
+        return np.asarray(np.where(since, course, 0.0).max(axis=1))

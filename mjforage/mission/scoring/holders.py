@@ -1,0 +1,89 @@
+"""Differences between what agents know; undefined where all share one map."""
+
+import numpy as np
+
+from mjforage import metrics
+from mjforage.mission.mission import Mission
+from mjforage.mission.scoring.belief_error import errors
+from mjforage.mission.scoring.known import metric
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
+
+
+def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
+    """Disagreement and error of the owners' maps, (open,) each."""
+    mission, owners = view.mission, view.mission.exchange.owners
+    held = mission.exchange.knowledge.belief
+    return metrics.unlikeness(
+        view.of_open(mission.knowledge.belief),
+        view.of_open(held.reshape(-1, owners, held.shape[1])),
+        view.of_open(mission.ledger.entries.truth),
+        view.cached(errors)[0],
+        mission.setup.grid.navigable,
+    )
+
+
+class OfHolders(Metric):
+    """Metric of several belief owners: time mean of a time series."""
+
+    better, compared, top = -1, False, 0.0
+
+    @classmethod
+    def is_defined(cls, mission: Mission) -> bool:
+        """True if there are several."""
+        return mission.exchange.owners > 1
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        return np.asarray(batch.course(type(self)).mean(axis=1))
+
+
+@metric
+class PositionAge(OfHolders):
+    """Steps since the newest position that an agent has received a team-mate, mean over both, time
+    mean.
+
+    `docs/concepts/metrics.md`. What it knows of itself does not count.
+    """
+
+    key, label, unit, digits = "position_age", "PA", "steps", 2
+
+    def at(self, view: StepView) -> FloatArray:
+        """(open,) now [step]."""
+        exchange, step = view.mission.exchange, view.mission.step[view.episodes]
+        seen = exchange.knowledge.agent_seen
+        each = view.of_open(seen.reshape(-1, exchange.owners, seen.shape[1]))
+        return metrics.position_age(each[:, exchange.owner_of], step)
+
+
+@metric
+class Disagreement(OfHolders):
+    """RMSE between the maps of two owners, both smoothed as for RMSE; mean over the pairs, time
+    mean.
+
+    `docs/concepts/metrics.md`.
+    """
+
+    key, label, unit, digits = "disagreement", "Disagreement", "items/node", 4
+
+    def at(self, view: StepView) -> FloatArray:
+        """(open,) now."""
+        return view.cached(_unlikeness)[0]
+
+
+@metric
+class ErrorOfHolders(OfHolders):
+    """RMSE of the map by which an agent acts, mean over the owners; RMSE itself is that of all
+    scans, which nobody has received together.
+
+    At the end, as RMSE is.
+    """
+
+    key, label, unit, digits = "rmse_holders", "RMSE_holders", "items/node", 4
+
+    def at(self, view: StepView) -> FloatArray:
+        """(open,) now."""
+        return view.cached(_unlikeness)[1]
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        return Metric.value(self, batch)

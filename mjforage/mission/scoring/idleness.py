@@ -1,0 +1,59 @@
+"""Mean Idleness, and how fast it falls."""
+
+import numpy as np
+
+from mjforage import metrics
+from mjforage.mission.scoring.known import metric
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
+
+
+@metric
+class FinalIdleness(Metric):
+    """Mean idleness of the navigable nodes at the end.
+
+    Paper, "Primary metrics", MI. Idleness grows by 1/(0.9 T) per step and is 0 where any agent
+    sees.
+    """
+
+    key, label, better = "mi_final", "MI_final", -1
+    compared = False
+    course_key, course_label, top = "mi", "MI", 1.0
+
+    def at(self, view: StepView) -> FloatArray:
+        """(open,) mean over the nodes, now."""
+        return metrics.mean_idleness(view.mission.idleness(view.episodes))
+
+
+@metric
+class MeanIdleness(Metric):
+    """Mean idleness of the navigable nodes, time mean."""
+
+    key, label, better, drawn = "mi_mean", "MI_mean", -1, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        return np.asarray(batch.course(FinalIdleness).mean(axis=1))
+
+
+@metric
+class IdlenessReductionRate(Metric):
+    """Fall of the mean idleness per step, time mean.
+
+    Paper, "Primary metrics", IRR.
+    """
+
+    key, label, better, digits = "irr_mean", "IRR_mean", 1, 5
+    unit, compared = "1/step", False
+    course_key, course_label = "irr", "IRR"
+
+    def course(self, batch: Batch) -> FloatArray:
+        """(episode, T + 1) fall to the next step; NaN at the last."""
+        idleness = batch.course(FinalIdleness)
+        fall = np.full(idleness.shape, np.nan)
+        fall[:, :-1] = metrics.irr(idleness)
+        return fall
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        fall = batch.course(IdlenessReductionRate)[:, :-1]
+        return np.asarray(fall.mean(axis=1))

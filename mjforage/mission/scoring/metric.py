@@ -1,0 +1,206 @@
+"""The base of a mission's metrics: its name, unit, direction and formula, in one class.
+
+A metric gives a number per episode. It may also have a course: a number per step, which becomes a
+column of `steps.parquet` and a curve of the report.
+"""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, ClassVar, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage import metrics
+from mjforage.base.cached import Cache
+from mjforage.base.errors import UserError
+from mjforage.base.fields import Within
+from mjforage.base.views import read_only
+from mjforage.mission.episode_log import EpisodeLog
+from mjforage.mission.mission import Mission
+from mjforage.scenario.roles import Fleet
+
+FloatArray = NDArray[np.float64]
+_T = TypeVar("_T", bound=np.generic)
+
+
+class StepView(Cache):
+    """A mission after its start or a step, as a course that is taken live sees it.
+
+    Attributes
+    ----------
+    mission : Mission, its arrays are live and read-only
+    episodes : (open,) rows of the batch that were not over before this step
+    """
+
+    def __init__(self, mission: Mission, episodes: NDArray[np.int64]) -> None:
+        super().__init__()
+        self.mission, self.episodes = mission, episodes
+
+    def of_open(self, values: NDArray[_T]) -> NDArray[_T]:
+        """(open, ...) of values (episode, ...), without a copy as long as all are open."""
+        whole = len(self.episodes) == len(values)
+        return values if whole else values[self.episodes]
+
+
+class Batch(Cache):
+    """A batch that is over, as a metric's formula sees it.
+
+    Attributes
+    ----------
+    log : EpisodeLog
+    fleet : Fleet, whose indices the log's agents are
+    horizon : T [step]
+    """
+
+    def __init__(
+        self, log: EpisodeLog, fleet: Fleet, horizon: int, recorded: Mapping[str, FloatArray]
+    ) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        recorded : course_key -> (episode, T + 1) of what was taken live
+        """
+        super().__init__()
+        self.log, self.fleet, self.horizon = log, fleet, horizon
+        self._courses = {key: read_only(course) for key, course in recorded.items()}
+
+    @cached_property
+    def events(self) -> metrics.EventTable:
+        """The items' events: (episode, item)."""
+        return self.log.event_table()
+
+    def course(self, metric: "type[Metric]") -> FloatArray:
+        """(episode, T + 1) the course of a metric; one taken live goes on with its last value.
+
+        Raises
+        ------
+        UserError
+            If it is taken live and the metric is not one of the run's.
+        """
+        key = metric.course_name()
+        if key not in self._courses:
+            if metric.is_live():
+                raise UserError(
+                    f"metric {metric.key}: its course was not taken; add it to the run's metrics"
+                )
+            self._courses[key] = read_only(metric().course(self))
+        return self._courses[key]
+
+
+class Metric:
+    """Base of every metric of a mission. The first paragraph of its docstring is its definition.
+
+    A class gives `value`, or a course from which it is taken: `course` from the finished batch, or
+    `at`, live. Undefined numbers are NaN; infinite ones are refused.
+
+    Attributes
+    ----------
+    key : column of `episodes.parquet` and key of `summary.json`
+    label : in tables and figures; an underscore begins a subscript, as in `PTA_D`
+    unit : "" for none
+    better : 1 more is better, -1 less is better, 0 neither
+    digits : decimals shown
+    compared : whether policies are compared in it, pair by pair
+    drawn : whether its distribution is drawn, where it has no course
+    course_key, course_label : of the column of `steps.parquet`; as `key` and `label` if empty
+    top : end of the course's axis, which then starts at 0; 0 for the largest value; None: free
+    """
+
+    key: ClassVar[str]
+    label: ClassVar[str]
+    unit: ClassVar[str] = ""
+    better: ClassVar[int] = 0
+    digits: ClassVar[int] = 3
+    compared: ClassVar[bool] = True
+    drawn: ClassVar[bool] = True
+    course_key: ClassVar[str] = ""
+    course_label: ClassVar[str] = ""
+    top: ClassVar[float | None] = None
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) the metric; unless overridden, the last value of its course."""
+        return batch.course(type(self))[:, -1]
+
+    def course(self, batch: Batch) -> FloatArray:
+        """(episode, T + 1) from a finished batch."""
+        raise NotImplementedError
+
+    def at(self, view: StepView) -> FloatArray:
+        """(open,) the course's value now, for the view's episodes."""
+        raise NotImplementedError
+
+    @classmethod
+    def is_defined(cls, mission: Mission) -> bool:
+        """True if a live course means anything in a mission; where not, it is not taken: NaN."""
+        return True
+
+    @classmethod
+    def is_live(cls) -> bool:
+        """True if its course is taken while episodes run."""
+        return cls.at is not Metric.at
+
+    @classmethod
+    def has_course(cls) -> bool:
+        """True if it has a course."""
+        return cls.is_live() or cls.course is not Metric.course
+
+    @classmethod
+    def course_name(cls) -> str:
+        """Column of its course."""
+        return cls.course_key or cls.key
+
+
+@dataclass(frozen=True)
+class Description:
+    """Display of a metric, without its formula; `run.json` has one of each of the run's.
+
+    Attributes
+    ----------
+    course, course_label : key and label of its column of `steps.parquet`, "" if it has none
+    others : as of `Metric`; `definition` is one sentence
+    """
+
+    key: str
+    label: str
+    definition: str = "no description"
+    unit: str = ""
+    better: int = 0
+    digits: Annotated[int, Within(0, 12, "decimals")] = 4
+    compared: bool = True
+    drawn: bool = True
+    course: str = ""
+    course_label: str = ""
+    top: float | None = None
+
+    @property
+    def plain(self) -> str:
+        """Label for a terminal."""
+        return self.label.replace("_", " ")
+
+    @property
+    def head(self) -> str:
+        """Label of a row: with its unit, if it has one."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+
+def description(metric: type[Metric]) -> Description:
+    """Description of a metric."""
+    words = (inspect.getdoc(metric) or "").partition("\n\n")[0]
+    has = metric.has_course()
+    return Description(
+        metric.key,
+        metric.label,
+        " ".join(words.split()).rstrip("."),
+        metric.unit,
+        metric.better,
+        metric.digits,
+        metric.compared,
+        metric.drawn,
+        metric.course_name() if has else "",
+        (metric.course_label or metric.label) if has else "",
+        metric.top,
+    )

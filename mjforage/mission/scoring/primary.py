@@ -1,0 +1,140 @@
+"""Primary metrics: items achieved, time to a share, throughput, and how an episode ends."""
+
+import numpy as np
+
+from mjforage import metrics
+from mjforage.metrics.statistics import count
+from mjforage.mission.scoring.known import metric
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric
+
+
+@metric
+class ItemsDiscovered(Metric):
+    """Items discovered by anyone, of all K items.
+
+    Paper, "Primary metrics", PTA_D.
+    """
+
+    key, label, unit, better, digits = "pta_d", "PTA_D", "%", 1, 2
+    top = 100.0
+
+    def course(self, batch: Batch) -> FloatArray:
+        """(episode, T + 1) so far [%]."""
+        events = batch.events
+        return metrics.pta_series(events.discovered_at, events.exists, batch.horizon)
+
+
+@metric
+class ItemsRemoved(Metric):
+    """Items removed, of all K items.
+
+    Paper, "Primary metrics", PTA_C.
+    """
+
+    key, label, unit, better, digits = "pta_c", "PTA_C", "%", 1, 2
+    top = 100.0
+
+    def course(self, batch: Batch) -> FloatArray:
+        """(episode, T + 1) so far [%]."""
+        events = batch.events
+        return metrics.pta_series(events.collected_at, events.exists, batch.horizon)
+
+
+@metric
+class TimeToHalf(Metric):
+    """First step with half of the items removed, over T; never = 1.
+
+    Paper, "Primary metrics", NT_X.
+    """
+
+    key, label, better, drawn = "nt50", "NT_50", -1, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [of T]."""
+        return metrics.nt(batch.course(ItemsRemoved), 50.0)
+
+
+@metric
+class TimeToMost(Metric):
+    """First step with 90 % of the items removed, over T; never = 1.
+
+    Paper, "Primary metrics", NT_X.
+    """
+
+    key, label, better, drawn = "nt90", "NT_90", -1, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [of T]."""
+        return metrics.nt(batch.course(ItemsRemoved), 90.0)
+
+
+@metric
+class RemovedPerForager(Metric):
+    """Items removed per forager and step of the horizon.
+
+    Paper, "Primary metrics", Throughput.
+    """
+
+    key, label, unit, better, drawn = "throughput", "Throughput", "items/step", 1, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [item/step]."""
+        foragers = batch.fleet.collectors.size
+        return metrics.throughput(batch.events.collected_at, foragers, batch.horizon)
+
+
+@metric
+class DiscoveredPerScout(Metric):
+    """Items discovered per scout and step of the horizon."""
+
+    key, label, unit = "throughput_scouts", "Throughput_scouts", "items/step"
+    better, drawn = 1, False
+    compared = False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [item/step]."""
+        scouts = batch.fleet.discoverers.size
+        return metrics.throughput(batch.events.discovered_at, scouts, batch.horizon)
+
+
+@metric
+class Length(Metric):
+    """Steps until the last item was removed, at most T."""
+
+    key, label, unit, better, digits = "length", "Length", "steps", -1, 1
+    drawn = False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [step]."""
+        return batch.log.length.astype(np.float64)
+
+
+@metric
+class Cleared(Metric):
+    """Fraction of the episodes that ended with no item left."""
+
+    key, label, better, digits = "cleared", "Cleared", 1, 2
+    compared, drawn = False, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) 1 or 0."""
+        return (batch.course(ItemsRemoved)[:, -1] >= 100.0).astype(np.float64)
+
+
+@metric
+class EnergyPerItem(Metric):
+    """Way of all agents over the items removed, in node lengths, as a role's `energy` is counted.
+
+    Our own: the paper has no metric of effort. A diagonal move is the square root of 2 long, and a
+    hull's way is the one that it makes. Undefined where nothing was removed.
+    """
+
+    key, label, unit, better, digits = "energy_per_item", "Energy", "node/item", -1, 2
+    compared, drawn = False, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [node/item]."""
+        log = batch.log
+        way = log.energy[np.arange(log.length.size), log.length].sum(axis=1, dtype=np.float64)
+        removed = count(batch.events.collected_at)
+        return np.where(removed > 0, way / np.maximum(removed, 1), np.nan)

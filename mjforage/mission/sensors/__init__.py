@@ -1,0 +1,1 @@
+"""Sensors of the mission: detection, missed detections, false positives, filtered maps."""

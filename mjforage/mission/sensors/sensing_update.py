@@ -1,0 +1,136 @@
+"""All agents scan: the ledger and what the fleet knows together come up to date with a step."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.knowledge import Knowledge, Scans, receive
+from mjforage.mission.ledger import Entries, count, credit
+from mjforage.mission.sensors.map_filter import MapFilter, correct, glimpse, round_off
+from mjforage.mission.sensors.sensing import Sensing, sense, sensing
+from mjforage.mission.task import Task
+from mjforage.scenario.scenario import Sensors
+
+
+class SensorConfig(NamedTuple):
+    """Sensor configuration of a fleet, and the episodes' keys."""
+
+    views: NodeLists
+    radius_number: NDArray[np.int64]  # (agent,) which list of `views`
+    credit_order: NDArray[np.int64]  # (agent,) see `Fleet.credit_order`
+    keys: UInt64Array  # (episode,)
+    all_received: NDArray[np.bool_]  # (episode, agent) True
+    in_view: NDArray[np.bool_]  # (node,) memory of `credit`
+    found: Int32Array  # (item,) the same
+
+
+@kernel
+def _look(
+    config: SensorConfig,
+    entries: Entries,
+    knowledge: Knowledge,
+    scans: Scans,
+    item_node: Int32Array,
+    taken_by: NDArray[np.int16],
+) -> None:
+    """Discretise, scan, credit."""
+    active, step = scans.active, scans.step
+    views, radius_number, credit_order = (
+        config.views,
+        config.radius_number,
+        config.credit_order,
+    )
+    count(active, step, item_node, taken_by, entries)
+    receive(scans, config.all_received, views, radius_number, knowledge)
+    credit(
+        scans,
+        knowledge,
+        credit_order,
+        views,
+        radius_number,
+        config.in_view,
+        config.found,
+        entries,
+    )
+
+
+@kernel
+def _sense_imperfectly(
+    config: SensorConfig,
+    sensing: Sensing,
+    filtered: MapFilter,
+    entries: Entries,
+    knowledge: Knowledge,
+    scans: Scans,
+    item_node: Int32Array,
+    taken_by: NDArray[np.int16],
+) -> None:
+    """The same where scans miss and invent items: credited is who detects, not who scans."""
+    views, radius_number = config.views, config.radius_number
+    count(scans.active, scans.step, item_node, taken_by, entries)
+    sense(sensing, config.keys, scans, config.credit_order, views, radius_number, entries)
+    receive(scans, config.all_received, views, radius_number, knowledge)
+    for e in range(filtered.density.shape[0]):
+        if scans.active[e]:
+            for agent in range(radius_number.size):
+                glimpse(filtered, agent, scans.agent_node[e, agent], scans.shown[e, agent])
+            correct(filtered, e)
+            round_off(filtered, e, knowledge)
+
+
+class SensingUpdate:
+    """Scans for the fleet of one batch of episodes."""
+
+    def __init__(
+        self,
+        task: Task,
+        sensors: Sensors,
+        keys: UInt64Array,
+        entries: Entries,
+        knowledge: Knowledge,
+        filtered: MapFilter,
+    ) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        keys : (episode,) episode keys
+        entries, knowledge : of the ledger and of the fleet together, changed by every scan
+        filtered : what the fleet makes of counts, the same
+        """
+        items = entries.t_discovered.shape[1]
+        config = SensorConfig(
+            task.views,
+            task.radius_number,
+            task.fleet.credit_order,
+            keys,
+            np.ones((keys.size, len(task.fleet)), np.bool_),
+            np.zeros(len(task.graph), np.bool_),
+            np.empty(items, np.int32),
+        )
+        if sensors.perfect:
+            self._look = BoundKernel(_look, config, entries, knowledge)
+        else:
+            sees = sensing(sensors, task, keys, items)
+            self._look = BoundKernel(_sense_imperfectly, config, sees, filtered, entries, knowledge)
+
+    def scan(self, scans: Scans, item_node: Int32Array, taken_by: NDArray[np.int16]) -> None:
+        """Take in the end of a step.
+
+        Parameters
+        ----------
+        scans : of the step; what they show is filled in where they are not perfect; episodes that
+            are not active do not change
+        item_node : (episode, item) node of each item, -1 once removed
+        taken_by : (episode, item) agent that removed it, -1 nobody
+        """
+        self._look(
+            scans.plain(),
+            np.ascontiguousarray(item_node, np.int32),
+            np.ascontiguousarray(taken_by, np.int16),
+        )

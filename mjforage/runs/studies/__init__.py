@@ -1,0 +1,1 @@
+"""Studies: variants of a scenario on the same episodes, benchmark tasks."""

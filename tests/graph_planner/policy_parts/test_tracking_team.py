@@ -1,0 +1,223 @@
+"""Policies that act on tracks, by hand on small maps, and options of all that search."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
+from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.moves import MoveRules
+from mjforage.mission.policy import Policy
+from mjforage.mission.task import NEVER, UNREACHABLE, Observation, Pickup, Task
+from mjforage.scenario.roles import Role
+from tests.graph_planner.driver import observation_of, preferences, task_of
+
+N, NE, E, SE, S, SW, W, NW = range(8)
+EAST, WEST = {NE, E, SE}, {SW, W, NW}
+BOTH = pytest.mark.parametrize("name", ["ogr", "orienteering"])
+ALL = pytest.mark.parametrize("name", ["auction", "ogr", "orienteering"])
+Cell = tuple[int, int]
+
+
+def foragers(count: int = 1, capacity: int = 0, energy: float = 0.0) -> Role:
+    return Role(count, 1, 1.0, True, capacity=capacity, energy=energy)
+
+
+def scouts(count: int = 1) -> Role:
+    return Role(count, 2, 4.0, False)
+
+
+def lake(rows: int, cols: int) -> NavigationGraph:
+    return navigation_graph(np.ones((rows, cols), np.bool_), 1.0, False)
+
+
+def all_seen(graph: NavigationGraph, step: int = 0) -> NDArray[np.int16]:
+    return np.full(len(graph), step, np.int16)
+
+
+def chosen(name: str, task: Task, seen: Observation) -> list[int]:
+    """The move that each agent of the first row prefers."""
+    return [int(move) for move in preferences(name, task, seen)[0].argmax(axis=1)]
+
+
+def walked(policy: Policy, task: Task, seen: Observation, steps: int) -> list[Cell]:
+    """Nodes of the agents of one row after some decisions in which nothing new is seen."""
+    graph = task.graph
+    for _ in range(steps):
+        for agent, move in enumerate(policy.act(seen)[0].argmax(axis=1)):
+            table = task.arrays.targets[task.arrays.stride_number[agent]]
+            seen.agent_node[0, agent] = table[seen.agent_node[0, agent], move]
+        seen.step[:] += 1
+        seen.agent_seen[:] += 1
+    return [(int(graph.rows[v]), int(graph.cols[v])) for v in seen.agent_node[0]]
+
+
+def after(name: str, task: Task, seen: Observation, steps: int) -> list[Cell]:
+    policy = create_policy(name)
+    policy.reset(task, seen.keys)
+    return walked(policy, task, seen, steps)
+
+
+@BOTH
+def test_two_foragers_share_two_items(name: str) -> None:
+    task = task_of(lake(5, 21), foragers=foragers(2))
+    seen = observation_of(task, [(2, 8), (2, 11)], {(2, 9): 1, (2, 19): 1}, all_seen(task.graph))
+    assert EAST.issuperset(chosen(name, task, seen))
+    seen = observation_of(task, [(2, 6), (2, 11)], {(2, 9): 1, (2, 0): 1}, all_seen(task.graph))
+    assert WEST.issuperset(chosen(name, task, seen))
+
+
+@ALL
+def test_a_full_forager_and_one_out_of_energy_stay_and_leave_items_to_others(name: str) -> None:
+    task = task_of(lake(5, 21), foragers=foragers(2, capacity=2, energy=50.0))
+    for spent in ("room_left", "energy_left"):
+        seen = observation_of(task, [(2, 5), (2, 15)], {(2, 4): 1}, all_seen(task.graph))
+        assert chosen(name, task, seen)[0] in WEST
+        getattr(seen, spent)[0, 0] = 0
+        stays, goes = chosen(name, task, seen)
+        assert stays == STAY and goes in WEST
+
+
+@BOTH
+def test_items_are_met_where_they_will_be(name: str) -> None:
+    """Two columns of items have come east by 3 nodes in 30 steps: the nearer one gets away."""
+    graph = lake(5, 61)
+    task, policy = task_of(graph, foragers=foragers()), create_policy(name)
+    first, last = (
+        {(row, col): 1 for row in range(5) for col in both} for both in ((12, 41), (15, 44))
+    )
+    seen = observation_of(task, [(2, 30)], first, all_seen(graph))
+    policy.reset(task, seen.keys)
+    for step in range(1, 31):
+        policy.act(seen._replace(step=np.array([step]), agent_seen=np.array([[step - 1]])))
+    seen = observation_of(task, [(2, 30)], last, all_seen(graph, 30), step=31)
+    assert policy.act(seen)[0, 0].argmax() in WEST
+
+
+@BOTH
+def test_a_forager_goes_on_at_once_where_it_has_collected(name: str) -> None:
+    task = task_of(lake(5, 41), foragers=foragers())
+    seen = observation_of(task, [(2, 8)], {(2, 9): 1, (2, 29): 1}, all_seen(task.graph))
+    assert after(name, task, seen, 6)[0][1] == 8 + 6
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_routes_are_solved_anew_every_few_decisions(every: int) -> None:
+    """Until then what has come up to the west does not turn a forager that goes east."""
+    task, policy = (
+        task_of(lake(5, 41), foragers=foragers()),
+        create_policy(f"orienteering(every={every})"),
+    )
+    moves = []
+    for step, known in enumerate([{(2, 30): 1}] + [{(2, 19): 2, (2, 30): 1}] * 6, 1):
+        seen = observation_of(task, [(2, 20)], known, all_seen(task.graph, step - 1), step)
+        if step == 1:
+            policy.reset(task, seen.keys)
+        moves.append(int(policy.act(seen)[0, 0].argmax()))
+    assert [move in EAST for move in moves[: every + 1]] == [True] * every + [False]
+
+
+def test_an_item_that_a_hull_gave_up_counts_less_for_six_decisions() -> None:
+    """It lies under the bow, another one 3 nodes to the west."""
+    graph = lake(5, 21)
+    task = replace(
+        task_of(graph, foragers=foragers()), pickup=Pickup(np.zeros((1, 3, 4)), np.zeros(4))
+    )
+    policy, moves = create_policy("ogr"), []
+    for step in range(1, 10):
+        seen = observation_of(
+            task, [(2, 10)], {(2, 10): 1, (2, 7): 1}, all_seen(graph, step - 1), step
+        )
+        if step == 1:
+            policy.reset(task, seen.keys)
+        seen.pickup[:] = UNREACHABLE if step == 2 else 0
+        moves.append(int(policy.act(seen)[0, 0].argmax()))
+    assert [move in WEST for move in moves] == [False] + [True] * 6 + [False] * 2
+
+
+@ALL
+def test_scouts_split_over_unseen_water(name: str) -> None:
+    graph = lake(9, 41)
+    task = task_of(graph, scouts=scouts(2))
+    last_seen = np.full(len(graph), NEVER)
+    last_seen[(graph.cols > 10) & (graph.cols < 30)] = 9
+    seen = observation_of(task, [(4, 20), (4, 20)], last_seen=last_seen, step=10)
+    columns = sorted(col for _, col in after(name, task, seen, 4))
+    assert columns[0] <= 14 and columns[1] >= 26
+
+
+@ALL
+def test_a_fleet_without_scouts_looks_for_itself(name: str) -> None:
+    graph = lake(9, 41)
+    task = task_of(graph, foragers=foragers())
+    last_seen = np.full(len(graph), 9, np.int16)
+    last_seen[graph.cols > 30] = NEVER
+    seen = observation_of(task, [(4, 20)], last_seen=last_seen, step=10)
+    assert after(name, task, seen, 5)[0][1] >= 24
+
+
+@BOTH
+def test_a_scout_out_of_energy_stays_and_others_look_behind_it(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = BeliefSettings(hotspot=False)
+    monkeypatch.setattr(BeliefSettings, "of", lambda prior: settings)
+    graph = lake(9, 41)
+    team = Role(2, 2, 4.0, False, energy=50.0)
+    task = task_of(graph, scouts=team)
+    behind = np.hypot(graph.rows - 4, graph.cols - 20) <= 4
+    last_seen = np.where(behind | (graph.cols < 2), NEVER, 9).astype(np.int16)
+    seen = observation_of(task, [(4, 20), (4, 13)], last_seen=last_seen, step=10)
+    seen.energy_left[0, 0] = 0.5
+    stays, goes = chosen(name, task, seen)
+    assert stays == STAY and goes in EAST
+
+
+@ALL
+@pytest.mark.parametrize("rules", [MoveRules(False, False), MoveRules(True, True)])
+@pytest.mark.parametrize("teams", [(0, 0), (1, 0), (0, 3), (5, 2), (16, 16)])
+def test_any_fleet_on_any_map(
+    ragged_coast: NavigationGraph, name: str, rules: MoveRules, teams: tuple[int, int]
+) -> None:
+    rng = np.random.default_rng(2)
+    task = task_of(ragged_coast, rules, scouts=scouts(teams[0]), foragers=foragers(teams[1]))
+    nodes = rng.choice(len(ragged_coast), sum(teams) + 90, replace=False)
+    cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in nodes]
+    known = dict.fromkeys(cells[sum(teams) :], 1)
+    for items in ({}, known):
+        seen = observation_of(task, cells[: sum(teams)], items, all_seen(ragged_coast), episodes=2)
+        got = preferences(name, task, seen)
+        assert got.shape == (2, sum(teams), 9) and not np.isnan(got).any()
+        arrays = task.arrays
+        can = (arrays.targets[arrays.stride_number, seen.agent_node] >= 0).any(axis=2)
+        assert (np.isfinite(got).any(axis=2) == can).all()
+
+
+@pytest.mark.parametrize(
+    ("reference", "words"),
+    [
+        ("ogr(near=-1)", "ogr: near -1.0 is too small; give 0 or more"),
+        ("ogr(urgency=inf)", "ogr: urgency inf is not finite; give 0 or more"),
+        ("orienteering(horizon=1e999)", "orienteering: horizon inf is not finite"),
+        ("ogr(ahead=0)", "ogr: ahead 0 is too small; give 1 or more"),
+        ("ogr(patience=0)", "ogr: patience 0.0 is too small; give more than 0"),
+        ("orienteering(every=0)", "orienteering: every 0 is too small; give 1 or more"),
+        ('auction(bid="most")', "bid 'most' is unknown; give one of minisum, minimax, miniave"),
+        ("auction(lots=0)", "lots 0 is too small; give 1 or more"),
+        ("auction(patience=inf)", "patience inf is not finite; give 1 or more"),
+        ("auction(warm=-1)", "warm -1.0 is too small; give 0 or more"),
+        ("dec-mcts(rounds=0)", "dec-mcts: rounds 0 is too small; give 1 or more"),
+        ("dec-mcts(discount=1)", "discount 1.0 is too large; give less than 1"),
+        ("dec-mcts(forget=1.5)", "forget 1.5 is no share; give above 0 to 1"),
+        ("dec-mcts(explore=-1)", "explore -1.0 is too small; give 0 or more"),
+        ("dec-mcts(trust=inf)", "trust inf is not finite; give more than 0"),
+        ("orienteering(patience=0)", "orienteering: patience 0.0 is too small"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(reference: str, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        create_policy(reference)
