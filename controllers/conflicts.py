@@ -94,7 +94,7 @@ def runs_aground(a: FloatArray, p: ModelRecord, land: LandArray, pitch: float) -
 
 @kernel
 def heeds(traffic: Traffic, v: int, u: int, heed_resting: bool) -> bool:
-    """True if vessel `v` plans around `u`: who rests, goes first, or knows no way itself."""
+    """True if vessel `v` plans around `u`: `u` rests, goes first, or knows no way itself."""
     fleet = traffic.fleet
     if u == v or traffic.met[v, u] == 0.0:
         return False

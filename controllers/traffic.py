@@ -1,10 +1,10 @@
-"""Right of way: who plans around whom, and how.
+"""Right of way: the order in which vessels plan around each other, and their plans.
 
 Every decision, the vessel that will arrive last goes first; those that stay come last. In that
 order each vessel takes the first of its plans that is free of conflict: straight on, what it did
 before, waiting, or a detour through a point beside its way. A vessel that stays is gone around
-where that costs little; else it makes room, beside its place. Who finds no plan at all is given the
-right of way by the vessel it meets, once in a decision.
+where that costs little; else it makes room, beside its place. A vessel that finds no plan at all is
+given the right of way by the vessel it meets, once in a decision.
 """
 
 import math
@@ -41,7 +41,7 @@ RINGS_M = (0.9, 1.3, 1.8)  # how far beside its target a vessel makes room
 
 @kernel
 def rank_fleet(fleet: FleetArray, models: ModelArray, spare: FloatArray) -> None:
-    """Give every vessel its rank for this decision: latest arrival first, who stays last."""
+    """Give every vessel its rank for this decision: latest arrival first, those that stay last."""
     for v in range(fleet.shape[0]):
         s = fleet[v]
         x, y = s.target_x, s.target_y
@@ -94,8 +94,8 @@ def passing_plan(s: VesselState, x: float, y: float, aside: float) -> Plan:
 def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
     """Let two vessels that meet head-on both give way, to starboard if they can.
 
-    Neither could go round the other alone. The second, who should have given way, counts as stuck,
-    so that the first goes on heeding it.
+    Neither could go round the other alone. The second, which should have given way, counts as
+    stuck, so that the first continues to avoid it.
     """
     fleet, models, paths = traffic.fleet, traffic.models, traffic.paths
     a, b = fleet[v], fleet[u]

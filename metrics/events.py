@@ -23,9 +23,9 @@ class EventTable:
     Attributes
     ----------
     discovered_at : (..., item) [step], NaN = never
-    discovered_by : (..., item) agent index, -1 = nobody
+    discovered_by : (..., item) agent index, -1 = none
     collected_at : (..., item) [step], NaN = never
-    collected_by : (..., item) agent index, -1 = nobody
+    collected_by : (..., item) agent index, -1 = none
     exists : (..., item) False for padding where episodes differ in their number of items
 
     Raises
@@ -58,7 +58,7 @@ class EventTable:
         _check_order(self.discovered_at, self.collected_at)
 
     def _set(self, name: str, array: FloatArray | IntArray | BoolArray) -> None:
-        """Keep an array that numpy lets nobody write, as all metrics share it."""
+        """Store an array as read-only, since all metrics share it."""
         object.__setattr__(self, name, view_of(array))
 
 

@@ -1,7 +1,7 @@
 """Age, differences and cost of information that travels between agents.
 
-A holder is whoever knows a set of observations: an agent, or a group that shares one mind. Ages
-are those of Kaul, Yates and Gruteser 2012, "Real-time status: How often should one update?",
+A belief owner is an agent, or a group with common knowledge, with the observations that it knows.
+Ages are those of Kaul, Yates and Gruteser 2012, "Real-time status: How often should one update?",
 INFOCOM: the time since what is known of a thing was true of it.
 """
 
@@ -81,7 +81,7 @@ def position_age(agent_seen: ArrayLike, now: ArrayLike) -> FloatArray:
     Parameters
     ----------
     agent_seen : (..., agent, agent) seen_h(a), the step of the newest position of a that h has
-        heard of; what each knows of itself does not count
+        received; an agent's own position does not count
     now : (...) t [step]
 
     Returns
@@ -105,7 +105,7 @@ def contact_share(linked: ArrayLike) -> FloatArray:
 
     Parameters
     ----------
-    linked : (..., sender, receiver) True where one can hear the other; oneself does not count
+    linked : (..., sender, receiver) True where a message gets across; the diagonal does not count
 
     Returns
     -------
@@ -140,18 +140,18 @@ def unlikeness(
 
     Parameters
     ----------
-    together : (..., node) items that all holders believe in each node who pool what they know; any
-        map gives the same but for rounding, and takes the longer the more others differ from it
-    maps : (..., holder, node) items that each believes in each node
+    together : (..., node) items that all owners would believe in each node if they pooled their
+        knowledge; any map gives the same but for rounding, but slower if others differ from it more
+    maps : (..., owner, node) items that each believes in each node
     truth : (..., node) items
     rmse : (...) that of `together`, from `model_error` [item]
     navigable : (row, column) True where there is a node
 
     Returns
     -------
-    disagreement : (...) mean over the pairs of holders of the RMSE between their maps [item]; NaN
+    disagreement : (...) mean over the pairs of owners of the RMSE between their maps [item]; NaN
         with fewer than two
-    error : (...) mean over the holders of the RMSE of their maps [item]; NaN without a holder
+    error : (...) mean over the owners of the RMSE of their maps [item]; NaN without an owner
 
     Raises
     ------
@@ -173,12 +173,12 @@ def _mean_root(squares: FloatArray) -> FloatArray:
 
 
 def handover(discovered_at: ArrayLike, received_at: ArrayLike, horizon: int) -> FloatArray:
-    """Mean over the items discovered of the time until one who serves them knows, over T.
+    """Mean over the items discovered of the time until an agent that serves them knows, over T.
 
     Parameters
     ----------
     discovered_at : (..., item) [step], NaN = never
-    received_at : (..., item) [step] when the first of those who serve items knew; NaN = never,
+    received_at : (..., item) [step] when the first agent that serves items knew; NaN = never,
         which counts as T
     horizon : T [step]
 
@@ -189,7 +189,7 @@ def handover(discovered_at: ArrayLike, received_at: ArrayLike, horizon: int) -> 
     Raises
     ------
     ValueError
-        the shapes differ, an item is heard of before it is discovered, or the horizon is below 1.
+        the shapes differ, an item is received before it is discovered, or the horizon is below 1.
     """
     found, heard = np.asarray(discovered_at, np.float64), np.asarray(received_at, np.float64)
     same_shape("discovered_at", found, "received_at", heard)
@@ -206,7 +206,7 @@ def cost_of_information(
 ) -> Interval:
     """C_R = (NT90(R2) - NT90(R1)) / (R2 - R1) [1/m]: what a metre of range is worth.
 
-    Negative where hearing farther makes the fleet faster.
+    Negative where more range makes the fleet faster.
 
     Parameters
     ----------

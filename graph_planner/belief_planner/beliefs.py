@@ -1,7 +1,7 @@
 """Beliefs of each row of a batch: items and their drift, and items still unseen.
 
-Tracks of what was seen, the drift from their ways, hotspots from what was not: every
-decision brings them up to date with what is in view, and with looks that are heard late.
+Tracks of seen items, drift from their displacements, hotspots of unseen items: every decision
+updates them by the nodes in view, and by delayed scans.
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ LEAST_EXPECTED = 0.1  # of the mean unseen items per node: so many may be anywhe
 
 
 def stale_nodes(seen: Observation, e: int) -> NDArray[np.float64]:
-    """Items expected in each node (node,) without a belief: more where nobody looked for long."""
+    """Items expected in each node (node,) without a belief: more where it was not seen for long."""
     age: NDArray[np.float64] = seen.step[e] - 1.0 - seen.last_seen[e].astype(np.float64)
     return IDLE * np.minimum(1.0, age / OLD)
 
@@ -125,8 +125,8 @@ class Beliefs:
             self._keep_hoping(seen, e, now)
 
     def _keep_hoping(self, seen: Observation, e: int, now: int) -> None:
-        """The episode goes on, so there is something left: if not where it should be, then where
-        nobody has looked for long.
+        """Keep some expectation, since the episode goes on: at the places of known items, else
+        where no agent has looked for long.
         """
         expected = self.expected[e]
         if expected.sum() < 1.0:
@@ -147,7 +147,7 @@ class Beliefs:
         return items
 
     def _take_late(self, seen: Observation, e: int, now: int) -> Sequence[lt.Sighted]:
-        """Take in looks of earlier steps heard just now, the oldest first; what they show first."""
+        """Process the scans received late, the oldest first; return the items first sighted."""
         late = seen.delayed_scans[e]
         late = late[late[:, 0] >= 0]
         steps = late[:, 0]
@@ -161,7 +161,7 @@ class Beliefs:
         return found
 
     def _collecting(self, e: int, at: Int32Array, who: NDArray[np.int64]) -> Int32Array:
-        """(forager,) nodes of those whose looks (look,) these are and that take all there is."""
+        """(forager,) nodes of the scans (look,) of foragers that had room, else `NOWHERE`."""
         agents = self._foragers
         nodes = np.full(agents.size, NOWHERE, np.int32)
         if self._task.pickup is None:

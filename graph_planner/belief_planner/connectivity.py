@@ -1,9 +1,9 @@
 """Connectivity maintenance over a limited link: reports, meeting places and relay positions.
 
-An agent that plans by what it has heard itself knows when it last heard of the others, and takes it
-that they heard of it then. Scouts with news of items come back to foragers that have nothing left
-to do, as far as they know; those wait where they were last heard of, then at a meeting place agreed
-before, in the middle of the map, and look for themselves once nobody has come for long. Relays
+An agent that plans by its own knowledge knows the step of its newest scan from each other agent,
+and assumes that they know as much of it. Scouts with news of items return to foragers that have
+nothing left to do, as far as they know; those wait where they last had contact, then at a meeting
+place agreed before, in the middle of the map, and search by themselves after a long wait. Relays
 stand where most of the others are in their reach.
 """
 
@@ -58,7 +58,7 @@ class Connectivity:
 
     Attributes
     ----------
-    reach : distance at which agents are taken to hear each other [node]
+    reach : assumed range of contact between agents [node]
     """
 
     def __init__(self, task: Task, settings: BeliefSettings, rows: int) -> None:
@@ -79,11 +79,11 @@ class Connectivity:
 
     @property
     def always(self) -> bool:
-        """True if agents are taken to hear each other everywhere."""
+        """True if agents are assumed to be in contact everywhere."""
         return bool(np.isinf(self.reach))
 
     def note(self, seen: Observation, e: int) -> None:
-        """Take note of who has been heard of."""
+        """Note the agents from which scans have arrived."""
         holder = int(seen.owner[e])
         if holder == NOBODY or self.always:
             return
@@ -93,14 +93,14 @@ class Connectivity:
             self._home[e] = here
 
     def _silence(self, seen: Observation, e: int, others: NDArray[np.int64]) -> float:
-        """Decisions since any of some agents was last heard of, inf if there are none."""
+        """Decisions since the newest scan received from some agents, inf if there are none."""
         heard: NDArray[np.int32] = seen.agent_seen[e][others]
         return float(seen.step[e] - 1 - heard.max()) if heard.size else np.inf
 
     def waits(self, seen: Observation, e: int) -> int:
         """Node where a forager without items waits for news; `NOBODY` if it need not.
 
-        Where it was last in touch; at the meeting place, if nobody comes there.
+        It waits where it had its last contact; if no agent comes there, at the meeting place.
         """
         silence = self._silence(seen, e, self._scouts)
         if silence <= self._slack or np.isinf(silence):
@@ -109,12 +109,12 @@ class Connectivity:
         return self._meeting if goes else int(self._home[e])
 
     def looks_alone(self, seen: Observation, e: int) -> bool:
-        """True if a forager that waits for news looks for items by itself."""
+        """True if a forager that waits for news searches for items by itself."""
         patience = PATIENCE if self.reach > 0.0 else 0
         return self._alone and self._silence(seen, e, self._scouts) >= patience
 
     def part(self, seen: Observation, e: int) -> NDArray[np.float64]:
-        """(node,) what looking at each node is worth to a forager that looks alone."""
+        """(node,) worth of seeing each node, for a forager that searches alone."""
         number = self._collectors.size
         mine = int(np.flatnonzero(self._collectors == seen.owner[e])[0])
         part = parts_of(self._graph, 0, number)
@@ -128,10 +128,10 @@ class Connectivity:
         mass *= self._left[e]
 
     def connects(self, seen: Observation, e: int, ways: Ways) -> int:
-        """Node in which a relay should stand; `NOBODY` for one who is none.
+        """Node in which a relay should stand; `NOBODY` for other agents.
 
-        Where the squared distances by which the others, as last heard of, are beyond its reach add
-        up to the least.
+        It minimises the sum of the squared distances by which the others, at their last known
+        places, are beyond its reach.
 
         Parameters
         ----------
@@ -177,7 +177,7 @@ class Connectivity:
         return target
 
     def _place(self, e: int, other: int, told: int, last: int, here: int, holder: int) -> int:
-        """Node where somebody last heard of at a step `told` in node `last` may be: there, then at
+        """Likely node of an agent last known in node `last` at step `told`: there, then at
         the meeting place; `NOBODY` if it is at neither.
         """
         for missed, node in zip(self._missed, (last, self._meeting), strict=True):

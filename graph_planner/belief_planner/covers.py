@@ -94,7 +94,7 @@ def _cover(
     landmark: Int32Array,
     wanted: Int32Array,
 ) -> Cover:
-    """The cover of who moves by `ways`; the cells (landmark,) that tell when a landmark is seen."""
+    """The cover of an agent that moves by `ways`; the cells (landmark,) that show a landmark."""
     decisions = _until_seen(ways, start, cells, wanted)
     fresh = _fresh(ways.ends, start, cells, np.full(landmark.size, -1, np.int64))
     return Cover(start, cells, landmark, decisions, *fresh)
@@ -139,7 +139,7 @@ def _shown(
     node: int,
     share: NDArray[np.float64],
 ) -> None:
-    """Fill share (hotspot,) with the part of each hotspot's items that a look from a node shows."""
+    """Fill share (hotspot,) with the part of each hotspot's items that a scan from a node shows."""
     nodes, cells, cell_start, shares = lists.nodes, prior.cells, prior.cell_start, prior.shares
     rows, cols, reach, width = prior.rows, prior.cols, prior.reach, prior.node.shape[1]
     share[:] = 0.0

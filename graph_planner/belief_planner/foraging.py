@@ -70,7 +70,7 @@ def is_able(members: Members, f: int, room_left: NDArray[np.int64], energy: floa
 def able_now(
     members: Members, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
 ) -> Able:
-    """Those who can still collect, by what every agent (agent,) has left [item, node]."""
+    """Foragers that can still collect, by the room and energy left (agent,) [item, node]."""
     agents, n = members.agents, 0
     which, room, lasts = np.empty(agents.size, np.int64), np.empty(agents.size), members.step.copy()
     for f in range(agents.size):
@@ -131,7 +131,7 @@ def gather_legs(
     taking: Taking,
     found: Stops,
 ) -> Legs:
-    """Put items into stops `found`, and list how far they are for those who are able.
+    """Put items into stops `found`, and list their distances for the foragers that are able.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def follow_routes(
     scratch: Scratch,
     preferences: NDArray[np.float64],
 ) -> None:
-    """Overwrite the rows of preferences (agent, 9) of those who are able by the way to their stops.
+    """Set the preferences (agent, 9) of the foragers that are able by the way to their stops.
 
     Parameters
     ----------
@@ -209,14 +209,14 @@ def _send(
 
 
 class Collecting:
-    """Those who collect, the items that they know of, and what keeps each from collecting.
+    """Collectors, the items that they know of, and what keeps each from collecting.
 
     Attributes
     ----------
-    group : who they are, and the ways of each
-    boundary : where items drift
-    items : what there is to collect, filled by others
-    taking : how long collecting takes
+    group : agents, and the ways of each
+    boundary : boundary condition of drifting items
+    items : items to collect, filled by others
+    taking : time that collecting takes
     """
 
     def __init__(self, task: Task, settings: BeliefSettings) -> None:
@@ -253,7 +253,7 @@ class Collecting:
 
 
 class Foraging(Collecting):
-    """Those who collect: given items and a drift, where each goes now."""
+    """Next nodes of collectors, given items and a drift."""
 
     def __init__(self, task: Task, settings: BeliefSettings) -> None:
         super().__init__(task, settings)

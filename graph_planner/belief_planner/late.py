@@ -1,9 +1,9 @@
 """Delayed measurements: scans received after the step in which they were made.
 
-Each is taken in at its own step, the oldest first (out-of-sequence measurements; Y. Bar-Shalom,
-IEEE Transactions on Aerospace and Electronic Systems 38, 2002). Tracks are worked back to that step
-by the drift, made to agree with what the look shows, and carried on again; those that were seen
-since account for what it shows, and stay.
+Each is processed at its own step, the oldest first (out-of-sequence measurements; Y. Bar-Shalom,
+IEEE Transactions on Aerospace and Electronic Systems 38, 2002). Tracks are moved back to that step
+by the drift, made to agree with the scan, and moved forward again; those that were seen since
+account for the items of the scan, and stay.
 """
 
 from typing import NamedTuple
@@ -22,14 +22,14 @@ from mjforage.mission.task import NEVER
 
 
 class Glance(NamedTuple):
-    """All that the late looks of one step show together."""
+    """Combined content of the delayed scans of one step."""
 
     belief: NDArray[np.int16]  # (node,) items, right where the node was in view
     last_seen: NDArray[np.int16]  # (node,) step where the node was in view, else `NEVER`
 
 
 class Sighted(NamedTuple):
-    """Items that late looks have shown for the first time."""
+    """Items that delayed scans have shown for the first time."""
 
     step: int
     node: Int32Array  # (item,) where they were then
@@ -49,7 +49,7 @@ def show(
     views: NodeLists,
     glance: Glance,
 ) -> None:
-    """Fill a glance with looks of one step.
+    """Fill a glance with scans of one step.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def doubt(
 def carry_on(
     tracks: Tracks, boundary: Boundary, e: int, step: int, steps: int, drift: NDArray[np.float64]
 ) -> None:
-    """Bring worked back tracks to now: those that the look moved by the drift, others as before."""
+    """Move tracks forward to now: those that the scan changed by the drift, others as before."""
     for i in range(tracks.number[e]):
         row, col = tracks.row[e, i], tracks.col[e, i]
         touched = tracks.seen[e, i] == step and not tracks.firm[e, i]

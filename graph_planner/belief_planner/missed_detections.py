@@ -1,7 +1,7 @@
 """Missed-detection model: the probability that an item in view was not shown.
 
-All who look at a node in a step detect an item there or miss it together, so the nearest of them
-counts. What is kept of every view is therefore the distance of the nearest who looked.
+All agents that see a node in a step detect an item there or miss it together, so the nearest of
+them counts. Of every view, the distance of the nearest agent is therefore stored.
 """
 
 from typing import NamedTuple

@@ -72,7 +72,7 @@ class BeliefPlanner:
         return Scouting(self._task, settings, agents)
 
     def _lookers(self, agents: NDArray[np.int64]) -> Lookers:
-        """Some agents of the task as those who look around."""
+        """Search for unseen items by some agents of the task."""
         task, settings = self._task, self.settings
         blocks = [hotspot_cover(task, int(a), settings) for a in agents]
         return Lookers(self._scouting(settings, agents), blocks, Group.of(task, agents))
@@ -117,7 +117,7 @@ class BeliefPlanner:
             self._search(at, self.beliefs.spots.chance[e, 0], preferences)
 
     def _stay_connected(self, seen: Observation, e: int, busy: bool) -> None:
-        """Send one who acts by itself to where it brings news, or waits for it, or looks alone."""
+        """Send an agent that acts by itself to bring news, to wait for it, or to search alone."""
         agent, connectivity, foragers = int(seen.owner[e]), self._connectivity, self._foragers
         group, goal = self._scouts.group, NOBODY
         if not self._task.fleet.collects[agent]:
@@ -149,8 +149,8 @@ class BeliefPlanner:
     def _in_vain(self, seen: Observation, e: int) -> bool:
         """True if the search for the first hotspot shows no new nodes, or few are left to show.
 
-        Then the assumptions are wrong, or nothing would be noticed anywhere by them; scouts look
-        at what nobody has seen for the rest of the search.
+        Then the assumptions are wrong, or no agent would notice anything by them; scouts look at
+        nodes that have not been seen for the rest of the search.
         """
         count, now = int((seen.last_seen[e] >= 0).sum()), int(seen.step[e]) - 1
         if count > self._viewed[e]:

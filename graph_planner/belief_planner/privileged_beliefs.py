@@ -1,7 +1,7 @@
 """Beliefs with the ground truth of all that was received: an oracle upper bound over a link.
 
-An item that a look has shown is known from then on to whoever has heard that look: where it is, and
-whether it is gone. The drift is known with the first item. All else is believed as ever.
+An item that a scan has shown is known from then on to all that have received that scan: its place,
+and whether it was collected. The drift is known with the first item. The rest is believed as usual.
 """
 
 from dataclasses import replace
@@ -22,9 +22,9 @@ class PrivilegedBeliefs(Beliefs):
 
     Attributes
     ----------
-    since : (row, item) step of the earliest look heard that shows its node with items, else
-        `UNHEARD`. Where eyes miss some items of a node, or see one too many, all that are there are
-        taken as shown.
+    since : (row, item) step of the earliest scan received that shows its node with items, else
+        `UNHEARD`. Where scans miss some items of a node, or show one too many, all true items there
+        count as shown.
     """
 
     def __init__(self, task: Task, settings: BeliefSettings, keys: UInt64Array) -> None:
@@ -55,7 +55,7 @@ class PrivilegedBeliefs(Beliefs):
         self._tell(e, now)
 
     def _hear(self, e: int, step: int, nodes: NDArray[np.integer]) -> None:
-        """Note the items of nodes that looks of a step have shown with items."""
+        """Note the items of nodes that scans of a step have shown with items."""
         shown = np.isin(self._past[e, step], nodes)
         self.since[e, shown] = np.minimum(self.since[e, shown], step)
 

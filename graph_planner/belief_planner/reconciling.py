@@ -1,8 +1,8 @@
 """Making tracks agree with the counts now in view.
 
 They are confirmed where the counts agree, else moved to the nearest place that lacks one, within a
-gate that grows with the time unseen; what is left over was taken by a hull, is overlooked, is
-pushed out of sight or given up, and what is still lacking is a new track. Of a late look, tracks
+gate that grows with the time unseen; the rest was collected by a vessel, is overlooked, is pushed
+out of sight or given up, and a count without a track is a new track. For a delayed scan, tracks
 that were seen since account for counts too, but are neither moved nor given up.
 """
 
@@ -63,7 +63,7 @@ def no_doubts(nodes: int) -> Doubts:
 
 
 class Catch(NamedTuple):
-    """Items that hulls collected in the step just made; of nobody where collecting is certain.
+    """Items that vessels collected in the step just made; none where collecting is certain.
 
     What is not seen in their own nodes has not just gone out of sight.
     """

@@ -1,4 +1,4 @@
-"""Routes of the foragers together: who goes where, so that items are met early.
+"""Routes of the foragers together, by which items are met early.
 
 A beam search over joint routes. In every state the forager that is free first goes on to one of
 its best stops (decisions per item, the ratio rule of W. E. Smith, "Various optimizers for

@@ -75,7 +75,7 @@ def _sweep(
 
 
 class Scouting:
-    """Those who look: given what each node is worth seeing, where each goes now."""
+    """Next nodes of scouts, given the worth of seeing each node."""
 
     def __init__(
         self, task: Task, settings: BeliefSettings, agents: NDArray[np.int64] | None = None

@@ -4,8 +4,8 @@ Every cell of the search (a node to be seen, or a block of places where a hotspo
 mass. A plan is judged by the sum over all masses of the decision in which each is seen; for mass
 that a plan leaves over, by when the scout, or another one, could see the landmark it belongs to.
 
-That sum is as small anywhere between two equal masses far apart: who comes nearer to one goes as
-far from the other, and what little can be seen nearby decides. Where later decisions weigh less
+That sum is the same anywhere between two equal masses far apart: a scout that comes nearer to one
+goes as far from the other, and small masses nearby decide. Where later decisions weigh less
 (`lateness`), the sum is concave, and the way to one of the two is better than staying between.
 """
 

@@ -48,7 +48,7 @@ class Ended(NamedTuple):
 
 
 class Lost(NamedTuple):
-    """Tracks that were given up although nobody is known to have collected the item."""
+    """Tracks that were given up although the item is not known to be collected."""
 
     number: NDArray[np.int64]  # (1,)
     node: Int32Array  # (loss,) of the last sighting

@@ -37,7 +37,7 @@ class Assumed(NamedTuple):
 
 
 class Eyes(NamedTuple):
-    """From where who sees what."""
+    """Views of all agents."""
 
     foragers: NDArray[np.int64]  # (forager,) indices in the fleet
     radius_number: NDArray[np.int64]  # (agent,)
@@ -199,7 +199,7 @@ def expect(store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: 
 
 @kernel
 def learn(store: Store, seen: Observation, e: int, nodes: Int32Array) -> None:
-    """All of that, for a row that hears of no late look.
+    """All of that, for a row without delayed scans.
 
     Parameters
     ----------

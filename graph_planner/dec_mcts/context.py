@@ -16,8 +16,8 @@ class DecisionContext:
     Attributes
     ----------
     key, step : of the draws
-    heard : (agent,) chance that each does what it is taken to do: half of it every `trust`
-        decisions for which it was not heard of
+    heard : (agent,) chance that each follows its known plan: half of it every `trust` decisions
+        without a scan from it
     """
 
     trust: float

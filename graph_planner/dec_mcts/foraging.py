@@ -1,4 +1,4 @@
-"""Those who collect plan by turns: each against the distributions over the others' tours."""
+"""Planning of the foragers in turns: each against the distributions over the others' tours."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,7 +78,7 @@ def search_tours(
 
     Parameters
     ----------
-    heard : (forager,) chance that each does what it is taken to do
+    heard : (forager,) chance that each follows its known plan
     key, step : of the draws
     """
     foragers, n = legs.first.shape
@@ -129,7 +129,7 @@ def _plan_tours(
 
 
 class TreeForaging(Foraging):
-    """Those who collect, each by its own tree."""
+    """Foragers, each with its own tree."""
 
     def __init__(
         self, task: Task, settings: BeliefSettings, effort: Effort, context: DecisionContext

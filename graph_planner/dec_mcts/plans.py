@@ -21,7 +21,7 @@ _LEAST = 1e-4  # chance that a sequence keeps
 
 
 class Plans(NamedTuple):
-    """The agents' distributions; empty ones for those who have not planned yet."""
+    """The agents' distributions; empty ones for agents that have not planned yet."""
 
     number: NDArray[np.int64]  # (agent,) sequences
     step: Int32Array  # (agent, candidate, step)
@@ -77,8 +77,9 @@ def _same(plans: Plans, agent: int, plan: Int32Array) -> int:
 def take_candidates(plans: Plans, agent: int, tree: Tree) -> None:
     """Replace an agent's sequences by the best of its tree; the likeliest one stays.
 
-    Those of the largest discounted mean among nodes of at most `DEEPEST` actions, each with the
-    best simulation that passed it. Who was there before keeps his chance, relative to the others.
+    The best are those of the largest discounted mean among nodes of at most `DEEPEST` actions, each
+    with the best simulation that passed it. A sequence that stays keeps its chance, relative to the
+    others.
     """
     candidates = plans.chance.shape[1]
     mean = np.full(tree.size[0], np.inf)

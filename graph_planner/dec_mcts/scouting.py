@@ -1,4 +1,4 @@
-"""Those who look plan by turns: each against the distributions over the others' sweeps."""
+"""Planning of the scouts in turns: each against the distributions over the others' sweeps."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +91,7 @@ def search_sweeps(
 
     Parameters
     ----------
-    heard : (scout,) chance that each does what it is taken to do
+    heard : (scout,) chance that each follows its known plan
     key, step : of the draws
     """
     n = scouts.kind.size
@@ -118,7 +118,7 @@ def search_sweeps(
 
 
 class TreeScouting(Scouting):
-    """Those who look, each by its own tree."""
+    """Scouts, each with its own tree."""
 
     def __init__(
         self,

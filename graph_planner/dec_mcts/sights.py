@@ -1,4 +1,4 @@
-"""One who looks: what a sequence of moves shows beside what the others may see.
+"""Simulation of a scout: what a sequence of moves shows beside what the others may see.
 
 A cell of a cover counts once, its mass by `look_discount` to the power of the decisions until it is
 first seen. A sequence's utility is what the fleet gains by it. For mass that it leaves over counts
@@ -26,7 +26,7 @@ LONGEST = 1024  # decisions after which a view is worth nothing
 
 
 class Scouts(NamedTuple):
-    """Those who look, and what there is to see."""
+    """Scouts, and the hotspots and nodes to see."""
 
     kind: NDArray[np.int64]  # (scout,) which of the covers, and of `ends`
     at: Int32Array  # (scout,) node
@@ -77,7 +77,7 @@ def sample_sights(
 
     Parameters
     ----------
-    heard : (scout,) chance that each does what it is taken to do
+    heard : (scout,) chance that each follows its known plan
     sights : filled
     """
     sights.token[0] += 1
@@ -112,7 +112,7 @@ def sample_sights(
 def seen_from(
     scouts: Scouts, cover: Cover, end: int, worth: float, sights: Sights, keep: bool
 ) -> float:
-    """Gain of the fleet if a look from a node comes when a view has some worth.
+    """Gain of the fleet if a scan from a node comes when a view has some worth.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def seen_from(
 
 @kernel
 def left_unseen(cover: Cover, end: int, worth: float, sights: Sights) -> float:
-    """Worth of what is left, by how much sooner one who ends in a node could see it."""
+    """Worth of what is left, by how much sooner a scout that ends in a node could see it."""
     value, decisions, fade = 0.0, cover.decisions, sights.fade
     rest, elsewhere = sights.rest, sights.elsewhere
     for mark in range(rest.size):

@@ -1,4 +1,4 @@
-"""One who collects: what a sequence of stops is worth beside what the others may do.
+"""Simulation of a forager: the worth of a sequence of stops beside what the others may do.
 
 An item counts once, by `discount` to the power of the decisions until the first comes for it. A
 sequence's utility is what the fleet gains by it, the difference utility of Best et al. (see this
@@ -56,7 +56,7 @@ def sample_claims(
 
     Parameters
     ----------
-    heard : (forager,) chance that each does what it is taken to do
+    heard : (forager,) chance that each follows its known plan
     claims : filled
     """
     first, amounts, later = claims.worth, claims.amount, claims.later

@@ -75,7 +75,7 @@ def targets_to_nearest(
 ) -> None:
     """`distances_to_nearest` by codes: of each agent's possible targets to the nearest source.
 
-    It reads the rows of centres and targets only, which a look reads for other things too.
+    It reads the rows of centres and targets only, which a scan reads for other things too.
 
     Parameters
     ----------

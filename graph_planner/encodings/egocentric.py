@@ -153,7 +153,7 @@ def _describe_selves(
 
 
 class Memory(NamedTuple):
-    """Memory of the looks before."""
+    """Memory of the scans before."""
 
     seen_at: Int32Array  # (row,) step of the last look
     trail: Int32Array  # (row, agent, TRAIL) nodes, -1 for none

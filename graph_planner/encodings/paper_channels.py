@@ -29,7 +29,7 @@ def _remember_beliefs(
     belief: NDArray[np.int16],
     past: Levels,
 ) -> None:
-    """Shift the beliefs of the last three looks on, past (episode, 3, node), newest first."""
+    """Shift the beliefs of the last three scans on, past (episode, 3, node), newest first."""
     for e in rows:
         if step[e] <= 1:
             past[e] = 0

@@ -76,7 +76,7 @@ def read_header(path: Path) -> WeightsHeader:
 
     Raises `WeightsError` if the file is missing, not safetensors, or holds no weights of ours, or
     names an encoder of code that neither ships nor is installed, unless the user has named that
-    (`Table.told`).
+    (`mjforage.base.registry.trust`).
     """
     try:
         with path.open("rb") as file:

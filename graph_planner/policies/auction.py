@@ -299,7 +299,7 @@ class AuctionPolicy:
 
     Parameters
     ----------
-    bid : what bids add to: `minisum` the team's way, `minimax` its longest path, `miniave` the
+    bid : cost that bids add to: `minisum` the team's way, `minimax` its longest path, `miniave` the
         mean time until an item is met
     lots : known nodes that are sold in a decision at most, the nearest
     revisit : water unseen for so long counts as unseen [decision]

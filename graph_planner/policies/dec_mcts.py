@@ -1,9 +1,9 @@
-"""Decentralised Monte-Carlo tree search: each agent plans for itself, and tells the others of it.
+"""Decentralised Monte-Carlo tree search: each agent plans for itself, and shares its plan.
 
 G. Best, O. M. Cliff, T. Patten, R. R. Mettu and R. Fitch, "Dec-MCTS: Decentralized planning for
-multi-robot active perception", International Journal of Robotics Research 38(2-3), 2019. What is
-believed of items is what the policy `belief` believes; the searches are those of
-`graph_planner.dec_mcts`. Over a link a holder plays the others' searches too, from what it knows.
+multi-robot active perception", International Journal of Robotics Research 38(2-3), 2019. Beliefs
+about items are those of the policy `belief`; the searches are those of `graph_planner.dec_mcts`.
+Over a link an owner plays the others' searches too, from its own knowledge.
 """
 
 import numpy as np

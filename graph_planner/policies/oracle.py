@@ -1,17 +1,17 @@
-"""The oracle: foragers that see every item and its drift. No policy but a bound.
+"""The oracle: foragers that see every item and its drift. It is an oracle bound, not a policy.
 
 It searches routes as the belief planner does, with the truth in place of a belief, so that the
-difference between the two is what is not known. Only gusts and the independent noise of the items
-to come are hidden from it. Its scouts look at true items that the fleet's map does not show as they
-are.
+difference between the two is the value of what the planner does not know. Only gusts and the
+independent noise of the items to come are hidden from it. Its scouts look at true items where the
+fleet's map differs from the truth.
 
 It bounds the mean and not every episode: routes are found by a beam search, and they minimise the
-times at which items are met, not how many are met before the foragers' energy is spent.
+times at which items are met, not the number met before the foragers' energy is spent.
 
-`oracle(received=true)` acts by what each holder has heard, as policies do over a link: of the items
-that the looks it has heard of have shown it is told the truth, and their drift; it searches for the
-others, and keeps in touch, as the belief planner does. The belief planner's gap to it is what not
-knowing those items costs, its own gap to the oracle what searching and the link cost.
+`oracle(received=true)` acts by what each owner has received, as policies do over a link: of the
+items in the scans received it knows the truth, and their drift; it searches for the others, and
+maintains contact, as the belief planner does. The belief planner's gap to it is the cost of not
+knowing those items; its own gap to the oracle is the cost of searching and of the link.
 """
 
 import numpy as np

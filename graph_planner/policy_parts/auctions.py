@@ -1,4 +1,4 @@
-"""Sequential single-item auctions: tours of known items, and who looks from where.
+"""Sequential single-item auctions: tours of known items, and places of scouts.
 
 In every round all bidders bid on all that is unsold, the smallest bid wins, and the winner's bids
 change: S. Koenig et al., "The Power of Sequential Single-Item Auctions for Agent Coordination",
@@ -31,7 +31,7 @@ UNSOLD = -1
 
 
 class Bidders(NamedTuple):
-    """Those who bid on items."""
+    """Bidders on items."""
 
     pace: FloatArray  # (bidder,) nodes per decision
     room: NDArray[np.int64]  # (bidder,) items
@@ -94,9 +94,9 @@ def insertion(
 
 @kernel
 def sell_items(rule: int, bidders: Bidders, lots: Lots, path: Int32Array, size: Int32Array) -> None:
-    """Sell lots one by one until nobody bids.
+    """Sell lots one by one until there are no bids.
 
-    Nobody bids on more than it has room for, nor on what its energy does not last for.
+    An agent bids on no more than it has room for, and on nothing beyond its energy.
 
     Parameters
     ----------

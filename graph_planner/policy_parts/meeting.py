@@ -1,4 +1,4 @@
-"""Meeting items that drift: when and where, and who meets which by ratios of pairs.
+"""Meeting items that drift: time and place of meeting, and an assignment by ratios of pairs.
 
 Online greedy with reassignment, the idea of Heine, "Team Orienteering with Moving Targets" (from a
 summary of it): of all pairs of an agent and an item the one with the largest ratio of reward to the
@@ -50,9 +50,9 @@ def meet(
 ) -> tuple[float, int]:
     """Decision at whose end an agent meets an item, and the node; `FAR` if later than `latest`.
 
-    It is the first one in which the agent can be where the item is then; who moves several nodes at
-    a time, and so does not get everywhere, may be given a later one. An item that is collected in
-    a decision has drifted in those before: collecting comes before drifting.
+    It is the first one in which the agent can be where the item is then; an agent that moves
+    several nodes at a time does not reach every node, and may be given a later one. An item that is
+    collected in a decision has drifted in those before: collecting comes before drifting.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def _meet_all(
     when: NDArray[np.float64],
     where: Int32Array,
 ) -> None:
-    """Fill when and where (lot,) a forager that is free at `at` from `free` on meets each lot."""
+    """Fill time and place (lot,) at which a forager free at `at` from `free` on meets each lot."""
     for lot in range(open_.size):
         if open_[lot]:
             place = lots.row[lot], lots.col[lot]
@@ -147,7 +147,7 @@ def assign(
     """Fill the node (forager,) in which each forager meets its first item, `NOWHERE` without one.
 
     A forager that has one goes on from there, so that the others do not count on what it will have
-    taken by then. Nobody takes what it has no room for or what its energy does not last for.
+    collected by then. A forager takes on nothing beyond its room or its energy.
 
     Parameters
     ----------

@@ -68,7 +68,7 @@ def _ticks(legs: Legs, kind: int, horizon: float) -> list[list[int]]:
 
 
 def _limit_room(routing: Any, legs: Legs) -> None:
-    """Let nobody take more than it has room for; a stop is no more than the least room."""
+    """Limit every forager's route to its room; a stop is no more than the least room."""
     finite = legs.room[np.isfinite(legs.room)]
     if not finite.size:
         return

@@ -44,7 +44,7 @@ def longest_move(moves: NDArray[np.int64]) -> float:
 def _seek(
     arrays: TaskArrays, workspace: Workspace, seen: Observation, preferences: NDArray[np.float64]
 ) -> None:
-    """Fill the preferences of those who collect, in episodes in which an item is known."""
+    """Fill the preferences of collectors, in episodes in which an item is known."""
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
     known, n_known = seen.known, seen.n_known
     neighbours, distances = arrays.neighbours, arrays.distances

@@ -1,4 +1,4 @@
-"""A fleet that acts on tracks, for policies that differ in who collects what.
+"""A fleet that acts on tracks, for policies that differ in the assignment of items to foragers.
 
 It believes what the belief planner believes: tracks, their drift, unseen items. Scouts buy places
 to look from by what is expected in view there (`auctions.sell_views`); foragers that are given no
@@ -49,7 +49,7 @@ def _share_views(
 ) -> Int32Array:
     """The places (looker,) that lookers win, `UNSOLD` where none; worth (node,) is changed.
 
-    Ways are counted in decisions: who moves two nodes at a time does not get to every node.
+    Ways are counted in decisions: an agent that moves two nodes at a time cannot reach every node.
     """
     places = np.arange(worth.size).astype(np.int32)
     far, row = np.full((lookers.size, places.size), FAR), np.empty(places.size, np.uint16)

@@ -106,7 +106,7 @@ class KernelCache:
         return cast(Any, compiler).CompileResult._rebuild(context, *made)
 
     def save_overload(self, signature: Any, made: Any) -> None:
-        """Keep what was compiled; what holds addresses of this process is not kept."""
+        """Store a compiled kernel, unless it holds addresses of this process."""
         if made.library.has_dynamic_globals or any(not one.can_cache for one in made.lifted):
             return
         folder = kernel_folder()
@@ -164,7 +164,7 @@ def _note_use(path: Path) -> None:
 
 @cache
 def _delete_unused(folder: Path) -> None:
-    """Delete, once in a process, kernels that nobody has read for a long time."""
+    """Delete, once in a process, kernels that have not been read for a long time."""
     for path in folder.glob("*.nbc*"):
         with suppress(OSError):
             if time.time() - path.stat().st_mtime > KEPT_DAYS * _DAY_S:

@@ -1,4 +1,4 @@
-"""Rows of a table too large to be made whole: those asked for last are kept."""
+"""Cache of rows of a table too large to be computed whole: the latest rows stay."""
 
 from typing import NamedTuple
 
@@ -25,7 +25,7 @@ class RowCache(NamedTuple):
 
     @classmethod
     def of(cls, nodes: int, rows: int) -> "RowCache":
-        """Nothing kept yet, of a table with so many rows."""
+        """Empty cache of a table with so many rows."""
         return cls(
             slot=np.full(nodes, -1, np.int32),
             owner=np.full(rows, -1, np.int32),

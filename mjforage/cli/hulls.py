@@ -1,4 +1,4 @@
-"""Commands about single hulls."""
+"""Commands about single vessels."""
 
 import itertools
 from pathlib import Path
@@ -86,7 +86,7 @@ def calibrate(
     seed: Annotated[int, Parameter(validator=validators.Number(gte=0))] = 0,
     output_file: Annotated[Path | None, OUT] = None,
 ) -> None:
-    """Measure how surely a vessel picks up, for the rule `rules.capture = "calibrated"`.
+    """Measure a vessel's capture probability, for the rule `rules.capture = "calibrated"`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Standard output and error as a command needs them: whoever stops reading them stops no run."""
+"""Standard output and error of a command: a reader that stops reading them stops no run."""
 
 import codecs
 import errno
@@ -29,7 +29,7 @@ codecs.register_error("mjforage", _spelt)
 
 
 class _Stream:
-    """A stream that is silent once nobody reads it, and says why it cannot be written."""
+    """A stream that is silent once its reader is gone, and says why it cannot be written."""
 
     def __init__(self, stream: TextIO, name: str) -> None:
         self._stream, self._name = stream, name

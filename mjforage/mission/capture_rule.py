@@ -1,4 +1,4 @@
-"""Capture by chance: foragers take what is in their node as surely as their hulls did in trials.
+"""Capture by chance: foragers collect items with the capture probability measured in trials.
 
 The nearest item of a forager's node is taken with the chance of its cell (see `capture`), once one
 is taken the next with the chance of a second one, until one is missed or there is no room.

@@ -108,8 +108,8 @@ class Dynamics(Protocol):
 
     Attributes
     ----------
-    pickup : what picking up takes hulls; None if a forager takes all that is in its node, before
-        the rest drifts
+    pickup : mean delays of collecting for vessels; None if a forager collects all in its node
+        before the rest drifts
     """
 
     pickup: Pickup | None
@@ -119,7 +119,7 @@ class Dynamics(Protocol):
 
         Parameters
         ----------
-        keys, names : (episode,) what randomness hangs on, and what errors call them
+        keys, names : (episode,) keys of the random draws, and names in messages of errors
         """
         ...
 
@@ -128,8 +128,8 @@ class Dynamics(Protocol):
 
         Parameters
         ----------
-        rc : (episode, place, 2) where [node]
-        items : whether place k is that of item k, which has its own leeway
+        rc : (episode, place, 2) places [node]
+        items : True if place k is that of item k, which has its own leeway
 
         Returns
         -------

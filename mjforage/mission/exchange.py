@@ -1,7 +1,7 @@
-"""Exchanges: which owners of knowledge receive which agents' scans; a communication model is one.
+"""Exchanges: the belief owners that receive each agent's scans; a communication model is one.
 
-After every step an exchange is told all scans, and brings what each owner knows up to date by
-those that it receives. `Ideal`: all receive all at once; `mjforage.mission.link`: over a link.
+After every step an exchange gets all scans, and updates the knowledge of each owner by those that
+it receives. `Ideal`: all receive all at once; `mjforage.mission.link`: over a link.
 """
 
 from collections.abc import Set
@@ -75,7 +75,7 @@ class Exchange(Protocol):
 
         Parameters
         ----------
-        pooled : what one who receives all scans at once knows, one row per episode; live
+        pooled : knowledge of an owner that receives all scans at once, one row per episode; live
         keys : (episode,) of the episodes, for what is drawn
         """
         ...

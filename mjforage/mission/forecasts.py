@@ -62,14 +62,14 @@ class Forecasts:
         active: NDArray[np.bool_],
         who: str = "policy",
     ) -> None:
-        """Hold forecasts against the truth.
+        """Compare forecasts with the truth.
 
         Parameters
         ----------
         expected : (row, node) items, in one row or more per episode
         truth : (episode, node) items
         active : (episode,) False once it is over
-        who : foretells so, for messages
+        who : name of the forecaster, for messages
 
         Raises
         ------

@@ -1,8 +1,8 @@
-"""The truth and its history: which item is where, who saw it first, who took it, and when.
+"""True states of the items and their history: place, first discovery and collection.
 
 Metrics and bounds read it; policies never do. Order in a step (definitions, section 1): discretise
-to counts per node; agents scan; first discoveries are credited at the scan, whoever receives it,
-and a tie goes to an agent that does not collect.
+to counts per node; agents scan; first discoveries are credited at the scan, whichever owner
+receives it, and a tie goes to an agent that does not collect.
 """
 
 from typing import Any, ClassVar, NamedTuple

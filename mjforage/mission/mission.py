@@ -39,19 +39,19 @@ _TOLD = attrgetter(*Observation._fields[3:14])  # of knowledge
 class Mission(ReadOnlyViews):
     """A batch of episodes of one scenario in one world; one episode is a batch of one.
 
-    Its arrays are live, and nobody but the mission can write to them.
+    Its arrays are live, and only the mission can write to them.
 
     Attributes
     ----------
     ledger : Ledger, the truth and its history
-    knowledge : Knowledge, what the fleet knows together: one row per episode
-    exchange : Exchange, what those who decide know
-    task : Task, what policies are told
-    state : Transition, where everything is
+    knowledge : Knowledge, common to the fleet: one row per episode
+    exchange : Exchange, with the knowledge of the belief owners
+    task : Task, the policies' part of the scenario
+    state : Transition, with the true positions
     step : (episode,) int32 decisions made
     active : (episode,) bool, False once an episode is over
     moves : Moves of the last decision; None before the first
-    forecasts : what a policy that forecasts foretold, held against the truth
+    forecasts : calibration sums of the policy's forecasts, if it makes any
     """
 
     state: Transition
@@ -68,7 +68,7 @@ class Mission(ReadOnlyViews):
         Parameters
         ----------
         dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
-        exchange : how scans reach those who decide; absent: over the scenario's link
+        exchange : rules by which scans reach the belief owners; absent: over the scenario's link
 
         Raises
         ------

@@ -109,8 +109,8 @@ def free_move(
     Parameters
     ----------
     neighbours : (node, 8) int32
-    claimed : (node,) a node holding `token` was chosen by an agent that decided earlier; with the
-        token -1 nobody has
+    claimed : (node,) a node with `token` was chosen by an agent that decided earlier; the token
+        -1 stands for none
     direction : 0-7 compass, 8 stay
     moves : nodes per decision of this agent
     stay, shorten : see `MoveRules`

@@ -63,12 +63,12 @@ class Task:
     ----------
     graph, fleet, rules : map, agents and what they may do
     horizon : decisions in an episode
-    prior : what planners may assume before they have seen anything
-    walls : of `graph_planner.graph.walls.WALLS`, what becomes of items that drift onto land
-    pickup : what picking up takes hulls, which may miss items, take those that they pass, and do so
-        while all drift; None where a forager takes all that is in its node, before the rest drifts
-    reach_node : how far apart agents reach each other where nothing is between; 0: never
-    latency : decisions until what was sent is received
+    prior : assumptions of planners before anything has been seen
+    walls : boundary condition of items that drift onto land, of `graph_planner.graph.walls.WALLS`
+    pickup : mean delays of collecting for vessels, which may miss items, collect those in passing,
+        and do so while all drift; None where a forager collects all in its node before the drift
+    reach_node : largest distance at which agents reach each other in open water; 0: none
+    latency : decisions until a scan that was sent is received
     """
 
     graph: NavigationGraph

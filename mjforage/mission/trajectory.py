@@ -70,6 +70,6 @@ class TrajectoryRecorder:
 
 
 def _joined(parts: list[NDArray[Scalar]]) -> NDArray[Scalar]:
-    """All frames as one array, which takes their place: who asks after every step copies once."""
+    """All frames as one array, which replaces them: asking after every step copies once."""
     parts[:] = [np.concatenate(parts)]
     return parts[0]

@@ -76,7 +76,7 @@ def timed(policy: Policy, timer: Timer, episodes: int) -> Policy:
 
     Parameters
     ----------
-    episodes : of its batch; a policy that decides for every holder has a row for each
+    episodes : of its batch; a policy that decides for every owner has a row for each
     """
     kind = _TimedBound if isinstance(policy, UpperBound) else _Timed
     made = type(type(policy).__name__, (kind,), {})  # messages name the class

@@ -288,7 +288,7 @@ def _record(runs: Sequence[Run], jobs: Sequence[Job], workers: Workers) -> None:
 
 
 def _foretell(runs: Sequence[Run]) -> None:
-    """Say of runs that begin what their worlds and hulls do not feel and cannot do, a line once."""
+    """Warn of the limits of the worlds and vessels of runs that begin, each in a line, once."""
     lines = (line for run in runs for line in run_warnings(run.setup, run.worlds))
     for line in dict.fromkeys(lines):
         _logger.warning("%s", line)
@@ -320,9 +320,9 @@ def evaluate(
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more
     seed : of the run
-    workers : who computes
+    workers : processes or cluster that compute
     progress : called with (episodes done, episodes in all)
-    resume : what to do with a run that the folder holds
+    resume : treatment of a run that the folder holds
 
     Returns
     -------

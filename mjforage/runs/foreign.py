@@ -69,7 +69,7 @@ def check_length(path: Path, remedy: str) -> None:
 
 
 def own_command(text: str) -> str:
-    """A command as `mjforage` wrote it; "" for any other, which nobody should be told to run."""
+    """A command as `mjforage` wrote it; "" for any other, which no message should suggest."""
     try:
         words = shlex.split(text)
     except ValueError:

@@ -51,7 +51,7 @@ class KnowledgeRecord:
 
         Parameters
         ----------
-        cells : rows x columns of the map; the step is NEVER on land and where nothing was heard
+        cells : rows x columns of the map; the step is NEVER on land and where nothing was received
         """
         belief = np.zeros((len(self.changes), cells), np.int16)
         seen = np.full((len(self.changes), cells), NEVER, np.int16)
@@ -164,7 +164,7 @@ class KnowledgeRecorder(Observer):
         )
 
     def _known_from(self, changes: _Changes, step: NDArray[np.int64]) -> NDArray[np.int16]:
-        """(agent, item) the first step in which each has a look with the item in it."""
+        """(agent, item) the first step in which each has a scan with the item in it."""
         shape = len(self._heard[0]), len(self._item_node[0])
         first = np.full(shape, UNKNOWN, np.int16)
         for one in np.flatnonzero(changes.items > 0)[::-1]:  # the first is written last

@@ -115,7 +115,7 @@ def collected(path: Path, frame: pl.LazyFrame, remedy: str = "") -> pl.DataFrame
 
 
 def parquet_bytes(frame: pl.DataFrame) -> bytes:
-    """A table as the content of a file; a full disk is then told in words, by Python."""
+    """A table as the content of a file; Python then reports a full disk in words."""
     buffer = io.BytesIO()
     frame.write_parquet(buffer, compression="zstd")
     return buffer.getvalue()

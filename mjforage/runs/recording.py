@@ -55,7 +55,7 @@ def record(
     setup : scenario and map
     world, policy : names
     seed, episode : which episode
-    observers : who sees every step of it besides
+    observers : called at every step besides
 
     Raises
     ------

@@ -44,7 +44,7 @@ def recording_of_run(
     folder : complete run folder
     world, policy : names; None for the run's first
     episode : number
-    observers : who sees every step of it besides
+    observers : called at every step besides
 
     Raises
     ------

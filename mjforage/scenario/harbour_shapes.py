@@ -1,8 +1,8 @@
 """Five kinds of generated harbours, each a drawing of rectangles and discs in whole numbers.
 
 All randomness is `bits` of (key, index, step): the step says what is drawn and the index of which,
-so a harbour is the same to the bit on every machine. Every kind is drawn one way round; who calls
-turns it. Shapes and sizes are our own choice, after the maps that ship (`docs/maps`).
+so a harbour is the same to the bit on every machine. Every kind is drawn one way round, and turned
+by the caller. Shapes and sizes are our own choice, after the maps that ship (`docs/maps`).
 """
 
 from collections.abc import Callable, Iterator

@@ -76,8 +76,8 @@ class Items:
 class Weather:
     """Wind or the paper's drift in every world; currents, lee and gusts where there are any.
 
-    Wind and drift are one: the physics world makes the drift by a wind of drift / 0.03, which hulls
-    feel too, and in the graph world items drift at 0.03 of a wind that is given.
+    Wind and drift are one: the physics world makes the drift by a wind of drift / 0.03, which acts
+    on vessels too, and in the graph world items drift at 0.03 of a given wind.
     """
 
     wind_speed_mps: Annotated[float, Within(0, 30, "m/s")] | None = None
@@ -118,10 +118,10 @@ _AREAS = source("estimate, as all areas are")
 
 @dataclass(frozen=True)
 class Scale:
-    """Factors on the numbers of all hulls, within what the sources of `models/vessels` leave open.
+    """Factors on the parameters of all vessels, within the ranges left open by `models/vessels`.
 
-    Controllers do not know them: they go by the numbers of the vessels' files. Another hull that
-    its controllers know is a vessel file of its own.
+    Controllers do not know them: they use the parameters of the vessels' files. A changed vessel
+    that its controllers know is a vessel file of its own.
     """
 
     mass: Annotated[float, Within(0.78, 1.25), _PAYLOADS] = 1.0
@@ -230,7 +230,7 @@ class Link:
     """
 
     model: Literal["ideal", "none", "disk", "log-distance", "two-ray"] = "ideal"
-    """`ideal`: everybody receives everything at once; `none`: nobody receives anything; `disk`:
+    """`ideal`: all agents receive all scans at once; `none`: no agent receives any; `disk`:
     within a range; `log-distance`: power falls with a power of the distance; `two-ray`: with the
     echo of the water."""
     range_m: Annotated[float, Within(0, 1e6, "m")] = 1e6
@@ -270,7 +270,7 @@ class CorruptionChoice:
     """A team whose actions are partly random (CSSC)."""
 
     team: str = ""
-    """Name of the corrupted team; empty: nobody."""
+    """Name of the corrupted team; empty: none."""
     epsilon: Annotated[float, Within(0, 1)] = 0.0
     """Probability per decision that an action is random."""
     whole_team: bool = False

@@ -25,7 +25,7 @@ class Copied:
         return _again, (content, *map(bytearray, buffers))
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Any:
-        """Another one, which shares memory that nobody can write, such as that of the map."""
+        """Another one, which shares read-only memory, such as that of the map."""
         content, buffers = _parts(self)
         return _again(content, *(b if b.raw().readonly else bytearray(b) for b in buffers))
 

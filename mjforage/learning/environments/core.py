@@ -174,7 +174,7 @@ class EnvironmentCore:
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment.
 
-        Every agent sees what it knows: over a link, what it has seen and heard itself.
+        Every agent sees its own knowledge: over a link, what it has seen and received itself.
         """
         exchange, held = self.mission.exchange, self.mission.held
         if exchange.owners == 1:

@@ -31,10 +31,10 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Arrays, NDArray[np.int64]]):
     | both | `action_mask` | (9,) | int8 | 0, 1 | 1: legal before anybody has chosen |
 
     The tables, with units, are in `graph_planner.encodings`. Over a link each agent's arrays show
-    what it has seen and heard itself.
+    what it has seen and received itself.
 
     **Reward** the sum over agents and terms; `info["reward/<term>"]` has each weighted term's.
-    **End** terminated when no item is left or nobody has energy; truncated at the horizon.
+    **End** terminated when no item is left or no agent has energy; truncated at the horizon.
     **Episode** decided by the seed of the last `reset(seed=...)` and the number of resets since.
     """
 

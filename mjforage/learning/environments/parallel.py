@@ -22,10 +22,10 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Arrays, int]):  # 
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
     except that a mask cannot know what others choose at the same time. Over a link an agent sees
-    what it has seen and heard itself: a decentralised partially observable decision process
+    what it has seen and received itself: a decentralised partially observable decision process
     (Oliehoek and Amato, *A Concise Introduction to Decentralized POMDPs*, 2016). Infos have the
-    same keys at every step; but for `step` they tell the truth of the whole fleet, and are not for
-    those who act. **State** `state()`, for central critics: the table of `state_of`.
+    same keys at every step; but for `step` they are of the true state of the whole fleet, and are
+    not for agents. **State** `state()`, for central critics: the table of `state_of`.
     **Reward** each agent's own terms. **End** all are terminated when no item is left, one when it
     has not the energy for another move (it then stays where it is, and still sees); all are
     truncated at the horizon.

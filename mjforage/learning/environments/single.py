@@ -18,7 +18,7 @@ METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
 
 
 class SingleEnvironment(Copied):
-    """Base of an environment; what it can be told is in `EnvironmentOptions`.
+    """Base of an environment; its options are those of `EnvironmentOptions`.
 
     Raises `UserError` if an option is not valid.
     """

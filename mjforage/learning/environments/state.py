@@ -1,6 +1,6 @@
-"""The state of an episode, for critics that are told all: what the fleet knows together, the truth.
+"""The state of an episode, for central critics: common knowledge of the fleet, and the truth.
 
-No agent sees it: over a link each acts by what it has seen and heard itself.
+No agent sees it: over a link each acts by what it has seen and received itself.
 """
 
 import gymnasium
@@ -32,7 +32,7 @@ def state_of(mission: Mission, episode: int = 0) -> StateArray:
     | channel | meaning | unit | value |
     |---|---|---|---|
     | 0 | water | - | 1 |
-    | 1 | idleness I by all looks, whoever has heard of them | 1 | I |
+    | 1 | idleness I by all scans, whichever agents received them | 1 | I |
     | 2 | believed items at the node, likewise | item | 0.1 each, at most 1 |
     | 3 | true items at the node | item | 0.1 each, at most 1 |
     | 4 | decisions taken so far, in every node | horizon | the share |

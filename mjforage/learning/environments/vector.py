@@ -39,7 +39,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
     """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
     In the graph world one batched mission plays all sub-environments; elsewhere each has its own.
-    `info` is laid out as Gymnasium does: beside each key a mask `_key` (env,), of whom it is told.
+    `info` is laid out as Gymnasium does: beside each key a mask `_key` (env,) of valid entries.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
     def _laid_out(
         self, facts: dict[str, NDArray[Any]], told: NDArray[np.bool_] | None = None
     ) -> dict[str, Any]:
-        """Facts (env,) beside masks of whom they are told, by default all; 0 where not."""
+        """Facts (env,) beside their masks, by default all True; 0 where False."""
         if told is None:
             told = self._everybody
         elif told.any():

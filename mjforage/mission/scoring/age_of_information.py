@@ -37,7 +37,7 @@ class AgeOfInformation(Metric):
 class PeakAge(Metric):
     """Largest AoI from its lowest value on: how far maps age again once they were known best.
 
-    The first value would always be the largest, as nobody has seen anything yet.
+    The first value would always be the largest, since nothing has been seen before.
     """
 
     key, label, unit, better, digits = "aoi_peak", "AoI_peak", "steps", -1, 2

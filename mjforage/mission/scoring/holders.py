@@ -72,8 +72,8 @@ class Disagreement(OfHolders):
 
 @metric
 class ErrorOfHolders(OfHolders):
-    """RMSE of the map by which an agent acts, mean over the owners; RMSE itself is that of all
-    scans, which nobody has received together.
+    """RMSE of the map by which an agent acts, mean over the owners; RMSE itself is that of the map
+    from all scans together.
 
     At the end, as RMSE is.
     """

@@ -1,7 +1,7 @@
-"""The metrics that there are: ours, those of installed packages, any by `package.module:Name`.
+"""Known metrics: ours, those of installed packages, any by `package.module:Name`.
 
-A run takes ours and those that it is told to. What else is installed or registered is known by its
-name, and no part of a run that does not name it.
+A run uses ours and those that it names. Other installed or registered metrics are known by name,
+but are no part of a run that does not name them.
 """
 
 import re

@@ -1,7 +1,7 @@
 """Imperfect scans: which items each agent detects, and false positives.
 
-The draws are of (item, step), the same for all agents: those that are as far see or miss an item
-together. Ghosts are of (node, epoch). Scenario: `[sensors]`.
+The draws are of (item, step), the same for all agents: agents at the same distance detect or miss
+an item together. False positives are of (node, epoch). Scenario: `[sensors]`.
 """
 
 from typing import NamedTuple
@@ -147,7 +147,7 @@ def _detect(
     viewer: int,
     shown: NDArray[np.int16],
 ) -> None:
-    """Count the items in view that an agent detects, and credit those that nobody has before."""
+    """Count the items in view that an agent detects, and credit those not yet discovered."""
     rows, cols, place = sensing.rows, sensing.cols, sensing.place
     drawn, merging = stream_key(key, Stream.DETECTION), stream_key(key, Stream.MERGING)
     for k in range(entries.places[e]):

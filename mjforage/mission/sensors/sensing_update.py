@@ -70,7 +70,7 @@ def _sense_imperfectly(
     item_node: Int32Array,
     taken_by: NDArray[np.int16],
 ) -> None:
-    """The same where scans miss and invent items: credited is who detects, not who scans."""
+    """The same where scans miss items or show false positives: credit is for detections only."""
     views, radius_number = config.views, config.radius_number
     count(scans.active, scans.step, item_node, taken_by, entries)
     sense(sensing, config.keys, scans, config.credit_order, views, radius_number, entries)

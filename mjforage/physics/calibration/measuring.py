@@ -29,7 +29,7 @@ PAIRS = 4  # trials with two items, over those with one of a cell
 
 
 def calibrate(vessel: str, trials: int, seed: int) -> Capture:
-    """Count how surely a vessel picks up.
+    """Count the items that a vessel collects in trials.
 
     Parameters
     ----------

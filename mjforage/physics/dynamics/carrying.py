@@ -1,4 +1,4 @@
-"""At what velocity wind and water carry items: the truth that bounds and critics are told."""
+"""Velocity at which wind and water carry items: the truth for oracle bounds and central critics."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -120,7 +120,7 @@ def _note_attempt(
 
     Parameters
     ----------
-    own : whether it lies in the vessel's own node: only then that is told
+    own : True if it lies in the vessel's own node: only then the result is reported
     """
     k = attempts.item[e, v]
     if attempts.near[e, v] and away_m > AWAY_M:
@@ -191,9 +191,9 @@ def seek(
 ) -> None:
     """Choose for each forager: collect, get ready, or look round.
 
-    It picks up the nearest item within the square of its target node, else the nearest beside it
-    that its bow reaches. With none it gets ready for the nearest other one. A forager that was told
-    to stay and knows of no item at all looks round, if its camera does not do that by itself.
+    It collects the nearest item within the square of its target node, else the nearest beside it
+    that its bow reaches. With none it gets ready for the nearest other one. A forager whose order
+    is to stay, and that knows of no item, looks round, if its camera does not do that by itself.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Dynamics in MuJoCo: decisions carried out by vessels in MuJoCo, under one weather for all.
 
-A decision becomes a waypoint; controllers steer at 10 Hz; what the period's end looks like is the
-same `Transition` as at graph level. `monitor` defines arrived, late and blocked.
+A decision becomes a waypoint; controllers steer at 10 Hz; the state at the period's end is the same
+`Transition` as at graph level. `monitor` defines arrived, late and blocked.
 """
 
 from collections.abc import Sequence

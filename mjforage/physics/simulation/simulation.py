@@ -119,7 +119,7 @@ class Simulation:
         self.place_items(self._parking, -1)
 
     def __getstate__(self) -> dict[str, Any]:
-        """For a copy: not the engine, whose memory is MuJoCo's, nor what looks at it."""
+        """State for a copy, without the engine, whose memory is MuJoCo's, and its views."""
         kept = {name: part for name, part in vars(self).items() if name not in _ENGAGED}
         return kept | {"saved": [part.copy() for part in self._engine_parts()]}
 

@@ -1,4 +1,4 @@
-"""The board: every policy on the same episodes of several courses, and who cannot play which."""
+"""The board: every policy on the same episodes of several courses, and those left out of each."""
 
 from collections.abc import Sequence
 
@@ -29,8 +29,8 @@ def board(
     Parameters
     ----------
     courses : in their order
-    policies : references; none: all that have a name. Of those, who cannot play a course is left
-        out of it, and the study says why
+    policies : references; none: all that have a name. Of those, one that cannot play a course is
+        left out of it, and the study says why
     episodes, seed, metrics : as of `Study`
 
     Raises

@@ -1,7 +1,7 @@
-"""Variants of the study of communication: what a link takes from a fleet that shares one mind.
+"""Variants of the study of communication: cost of a limited link for a fleet with common knowledge.
 
 All lines but those of the relay begin or end at the ideal link. Without a limit, losses or latency
-a disk is the ideal link, holder for holder, so that those points are not played a second time.
+a disk is the ideal link, owner for owner, so that those points are not played a second time.
 """
 
 from collections.abc import Sequence
@@ -21,8 +21,8 @@ IDEAL = "ideal link"
 
 RELAY = "relay-boat"
 RELAY_RADIO = {"model": "two-ray", "tx_dbm": 0.0, "relay": False}
-"""1 mW at 2.4 GHz: with antennas a quarter of a metre above the water boats hear each other over
-some 36 m, and a boat with a mast of five metres over some 160 m, most of `comb-port`."""
+"""1 mW at 2.4 GHz: vessels with antennas a quarter of a metre above the water are in contact over
+some 36 m; with one on a mast of five metres, over some 160 m, most of `comb-port`."""
 LOW_M, MAST_M = 0.25, 5.0
 RELAY_BOAT = Role(
     count=1, moves=1, radius=0.0, collects=False, energy=0.5, relays=False, antenna_m=LOW_M

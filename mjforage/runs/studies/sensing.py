@@ -1,7 +1,7 @@
-"""Variants of the study of sensing: what misses and false alarms take, and wrong beliefs in them.
+"""Variants of the study of sensing: cost of misses and false alarms, and of wrong beliefs in them.
 
-On the axes of what looks lack, the belief planner is told how they lack it; on the axes `assumed-*`
-it is told one number whatever is true.
+On the axes of imperfect scans, the belief planner knows their parameters; on the axes `assumed-*`
+it assumes one number whatever is true.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ SENSORS = (
     *("detection", "half_range_node", "slope_node", "detection_table", "persistence"),
     *("false_rate", "false_hold", "merge", "fov_deg", "map"),
 )
-"""Keys of what looks lack; the noise of hulls' instruments stays."""
+"""Keys of imperfect scans; the noise of the vessels' instruments stays."""
 ASSUMED = ("detection", "half_range_node", "slope_node", "false_rate")
 
 
@@ -129,7 +129,7 @@ ASSUMPTIONS = (
 
 
 def perfect(scenario: Scenario) -> Scenario:
-    """The scenario with looks that miss and invent nothing, and a planner that knows it."""
+    """The scenario with perfect scans, and a planner that knows it."""
     sensors, prior = type(scenario.sensors)(), type(scenario.prior)()
     clean: Scenario = changed(
         scenario,

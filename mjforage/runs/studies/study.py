@@ -33,7 +33,7 @@ IDENTITY = ("kind", "scenario", "worlds", "seed", "options", "episodes", "varian
 
 @dataclass(frozen=True)
 class Variant:
-    """One scenario of a study and who plays it, where it is not the study's in map or worlds."""
+    """One scenario of a study, its policies, and map or worlds where they are not the study's."""
 
     name: str  # of its run folder
     title: str  # in tables
@@ -192,7 +192,7 @@ def run_study(
     Parameters
     ----------
     folder : study folder; an unfinished study of the same settings in it is resumed
-    workers : who computes
+    workers : processes or cluster that compute
     progress : called with (episodes done, episodes in all)
     begin : called once all is checked, before the first episode
     resume : what to do with a study that the folder holds

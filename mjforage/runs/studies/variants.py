@@ -109,7 +109,7 @@ def levels(step: float) -> tuple[float, ...]:
 
 
 def corrupted_name(team: str, level: float) -> str:
-    """Variant of a team at a level of corruption; nobody is corrupted at 0."""
+    """Variant of a team at a level of corruption; at level 0 no agent is corrupted."""
     return f"{team}-{level:g}" if level else COMPLETE
 
 

@@ -1,4 +1,4 @@
-"""Images: a pixel per cell, light or dark, or unknown to who drew it."""
+"""Images: a pixel per cell, light or dark, or of a grey that stands for unknown."""
 
 import logging
 import warnings

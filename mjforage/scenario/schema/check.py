@@ -45,7 +45,7 @@ def check(schema: type[_T], tree: object, where: str, *, remedy: str = "", **giv
     schema : a frozen dataclass
     tree : as read from TOML or JSON
     where : what errors name first; may be empty
-    remedy : what errors name last, for files that nobody writes by hand
+    remedy : end of the messages, for files that are not written by hand
     given : fields that are no keys of the file (`NotInFile`)
 
     Raises

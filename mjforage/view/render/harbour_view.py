@@ -229,7 +229,7 @@ def water_area(recording: Recording) -> Area:
 
 
 def afloat(hulls: Floats, surface_s: float) -> Floats:
-    """(agent, 6) x, y, z, roll, pitch, yaw of vessels (agent, 3), rocked a little for the looks."""
+    """(agent, 6) x, y, z, roll, pitch, yaw of vessels (agent, 3), rocked a little for effect."""
     phase = 2.4 * np.arange(len(hulls))
     heave = 0.015 * np.sin(1.9 * surface_s + phase)
     roll = 0.022 * np.sin(1.3 * surface_s + 1.7 * phase)
@@ -238,7 +238,7 @@ def afloat(hulls: Floats, surface_s: float) -> Floats:
 
 
 def floating(items: Floats, surface_s: float) -> Floats:
-    """(item, 6) x, y, z, yaw, tilt, share left of items (item, 3), bobbing for the looks."""
+    """(item, 6) x, y, z, yaw, tilt, share left of items (item, 3), bobbing for effect."""
     phase = 1.9 * np.arange(len(items))
     bob = 0.012 * np.sin(2.3 * surface_s + phase)
     yaw = phase + 0.08 * np.sin(0.4 * surface_s + phase)

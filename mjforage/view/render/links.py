@@ -1,4 +1,4 @@
-"""Links between vessels: who is in contact, and which contacts lost looks."""
+"""Links between vessels: pairs in contact, and contacts that lost scans."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ def paint_links(
     unit: float,
     colour: palette.Colour = palette.INK,
 ) -> None:
-    """Paint a line between all in contact, broken and red where looks were lost in the step.
+    """Paint a line between all in contact, broken and red where scans were lost in the step.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def paint_link(
 
 
 def paint_lost(image: Image, ends: Floats, unit: float) -> None:
-    """Paint one contact that lost looks."""
+    """Paint one contact that lost scans."""
     long = max(float(np.hypot(*(ends[1] - ends[0]))), 1e-9)
     for first in np.arange(0.0, long, (_DASH + _GAP) * unit):
         part = np.array([first, min(first + _DASH * unit, long)])[:, None] / long
@@ -53,7 +53,7 @@ def paint_lost(image: Image, ends: Floats, unit: float) -> None:
 
 
 def write_lost(image: Image, recording: Recording, step: int, points: Floats, unit: float) -> None:
-    """Write how many looks were lost, beside the middle of each link."""
+    """Write the number of scans lost, beside the middle of each link."""
     if recording.held is None:
         return
     lost = recording.held.lost[step]

@@ -115,7 +115,7 @@ def view_recording(recording: Recording, speed: float) -> None:
 
 
 def scene_of(recording: Recording) -> Scene:
-    """The physical scene of a recording, with looks."""
+    """The physical scene of a recording, with its appearance."""
     return build_scene(
         vessels_of(recording),
         navigable=recording.navigable,

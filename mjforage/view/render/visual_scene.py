@@ -148,7 +148,7 @@ def _freeze(spec: mujoco.MjSpec, body: mujoco.MjsBody, scale: float, looks: str 
 
 
 def _add_items(spec: mujoco.MjSpec, classes: NDArray[np.int16], scale: float) -> None:
-    """One body per item, with the looks of its class."""
+    """One body per item, with the appearance of its class."""
     part, names = shipped_part("debris"), [kind.name for kind in load_debris()]
     for k, kind in enumerate(classes.tolist()):
         body = spec.worldbody.add_frame().attach_body(part.copy().body("item"), f"item-{k}/", "")

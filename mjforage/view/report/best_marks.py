@@ -22,7 +22,7 @@ NOTE = (
 
 
 def best_of(logs: RunLogs, metric: Description) -> set[Case]:
-    """The best mean of each world, and those not told apart from it.
+    """The best mean of each world, and those not significantly different from it.
 
     None where the metric has no direction, too few episodes, or where no policy is worse.
     """
@@ -62,7 +62,7 @@ def against_best(values: Mapping[Name, FloatArray], better: int) -> dict[Name, f
 
 
 def best_and_alike(values: Mapping[Name, FloatArray], better: int) -> set[Name]:
-    """The best mean and those not told from it; none where all are alike or episodes too few."""
+    """The best mean and those not significantly below; none if all are alike or data too few."""
     top, p = best(values, better), against_best(values, better)
     if top is None or not p:
         return set()

@@ -106,7 +106,7 @@ def differences_table(
     words: str = SAME,
     head: str = "variant",
 ) -> Table:
-    """A row per contrast, a column per metric that has a difference, bold where it is told from 0.
+    """A row per contrast, a column per metric that has a difference, bold where it differs from 0.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def every_metric_table(
     swapped: bool = False,
     notes: Sequence[str] = (),
 ) -> Table:
-    """A row per contrast and metric: the difference with its interval and p, bold if told from 0.
+    """A row per contrast and metric: the difference with its interval and p, bold if it is not 0.
 
     Parameters
     ----------

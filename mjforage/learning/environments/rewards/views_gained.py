@@ -50,7 +50,7 @@ def _idleness_ended(
     forgetting: float,
     out: Amounts,
 ) -> None:
-    """Sum of idleness before the look (episode, node) in view, by agent; 0 of those who collect."""
+    """Sum of idleness before the scan (episode, node) in view, by agent; 0 for collectors."""
     start, nodes = views.start, views.nodes
     for e in range(agent_node.shape[0]):
         for a in range(radius_number.size):
@@ -80,7 +80,7 @@ class BeliefChanged:
 
 @reward("idleness")
 class IdlenessEnded:
-    """Idleness, before the look, of the nodes in view of agents that do not collect."""
+    """Idleness, before the scan, of the nodes in view of agents that do not collect."""
 
     def __init__(self) -> None:
         self._ended = BoundKernel(_idleness_ended)

@@ -93,7 +93,7 @@ class Board:
 
     @cached_property
     def winners(self) -> dict[TaskScore, set[str]]:
-        """The best of every cell, and those not told from it."""
+        """The best of every cell, and those not significantly different from it."""
         return {
             cell: best_and_alike(self.competing(cell), describe(cell[1]).better)
             for cell in self.cells
