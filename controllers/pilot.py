@@ -178,7 +178,7 @@ class Pilot:
         self._fleets.state["next_x"], self._fleets.state["next_y"] = xy[..., 0], xy[..., 1]
 
     def look_round(self, who: NDArray[np.bool_]) -> None:
-        """Say which vessels shall turn on the spot where they keep position.
+        """Let some vessels turn on the spot where they keep position.
 
         Parameters
         ----------

@@ -80,7 +80,7 @@ class _Water(NamedTuple):
 
 @lru_cache(maxsize=4)
 def _water_of(grid: bytes, shape: tuple[int, int]) -> _Water:
-    """Of a map."""
+    """Water of a map."""
     navigable = np.frombuffer(grid, np.bool_).reshape(shape)
     cells = np.flatnonzero(navigable)
     number = np.full(shape, -1, np.int64)

@@ -232,7 +232,7 @@ class Collecting:
         self._able_now = BoundKernel(able_now, self._members)
 
     def able_now(self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]) -> Able:
-        """Those foragers that can still collect, by what every agent (agent,) has left."""
+        """Foragers that can still collect, by the room and energy left (agent,)."""
         return self._able_now(room_left, energy_left)
 
     def is_able(

@@ -60,7 +60,7 @@ class Hotspots(NamedTuple):
 def hotspots(
     episodes: int, nodes: int, hypotheses: int, capacity: int, settings: BeliefSettings
 ) -> Hotspots:
-    """Nothing seen yet, for assumptions as in `settings` and room for `capacity` sightings."""
+    """Hotspots before any sighting, by the assumptions of `settings`, with room for `capacity`."""
     shape = (settings.items / settings.items_sd) ** 2
     n = settings.hotspots + SPARE
     return Hotspots(

@@ -1,4 +1,4 @@
-"""From a target to preferences over the nine moves."""
+"""Preferences over the nine moves, from a target."""
 
 import numpy as np
 from numpy.typing import NDArray

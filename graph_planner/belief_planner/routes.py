@@ -123,7 +123,7 @@ def _outlook(stops: int) -> Outlook:
 
 @kernel
 def _ranking(places: int, stops: int) -> Ranking:
-    """Nothing ranked yet."""
+    """Empty ranking."""
     return Ranking(np.zeros(places, np.bool_), np.zeros((places, stops), np.int64))
 
 

@@ -1,4 +1,4 @@
-"""From floating items to stops: nodes where a forager would meet them, with what they are worth."""
+"""Stops: nodes where a forager would meet floating items, with their worth."""
 
 import math
 from typing import NamedTuple

@@ -28,7 +28,7 @@ class Taking(NamedTuple):
 
     @classmethod
     def of(cls, task: Task) -> "Taking":
-        """That of the fleet; no time where a forager takes all at once."""
+        """Collecting times of the fleet; none where a forager collects all at once."""
         pickup, foragers = task.pickup, task.fleet.collectors
         if pickup is None or foragers.size == 0:
             return cls(np.zeros((len(task.fleet), 3, 4)), np.zeros(3), 0.0)

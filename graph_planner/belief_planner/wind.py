@@ -37,7 +37,7 @@ class Wind(NamedTuple):
 
 
 def wind(episodes: int, settings: BeliefSettings) -> Wind:
-    """Nothing known yet."""
+    """Wind estimate before any observation."""
     largest = max(settings.drift_node_per_step, 1e-6)
     grid = np.linspace(-REACH * largest, REACH * largest, POINTS)
     prior = -BEYOND * np.maximum(0.0, np.abs(grid) / largest - 1.0)

@@ -109,7 +109,7 @@ def back_up(
     now: int,
     forget: float,
 ) -> None:
-    """Tell the nodes (node,) of a simulation what came of it.
+    """Back up the result of a simulation to its nodes (node,).
 
     Parameters
     ----------

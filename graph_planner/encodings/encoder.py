@@ -79,8 +79,8 @@ def encoder_label(text: str) -> str:
 def create_encoder(text: str, task: Task) -> Encoder:
     """A fresh encoder.
 
-    Raises `UserError` as `encoder_class`, and if its shapes are none; a `ValueError` of its
-    `__init__` is told.
+    Raises `UserError` as `encoder_class`, and if its shapes are not valid; the message of a
+    `ValueError` of its `__init__` becomes part of it.
 
     Parameters
     ----------

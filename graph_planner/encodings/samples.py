@@ -142,7 +142,7 @@ def measure(
 
 @kernel
 def mean_gain(total: NDArray[np.int64], size: int, here: int, there: int) -> float:
-    """By how much nearer the nodes of a sample are to one end than to another, on average [node].
+    """Mean gain of a sample's nodes, by how much nearer they are to one end than to another [node].
 
     Parameters
     ----------

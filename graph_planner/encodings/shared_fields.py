@@ -81,7 +81,7 @@ class Nearby(NamedTuple):
 
     @classmethod
     def none_yet(cls, rows: int, nodes: int) -> "Nearby":
-        """Of so many rows, on a map of so many nodes."""
+        """Empty fields of so many rows, on a map of so many nodes."""
         return cls(
             np.zeros((rows, nodes), np.bool_),
             np.zeros((rows, nodes), np.bool_),

@@ -23,7 +23,7 @@ class Ways(NamedTuple):
 
     @classmethod
     def none_yet(cls, rows: int, nodes: int) -> "Ways":
-        """Of so many rows, on a map of so many nodes."""
+        """Empty ways of so many rows, on a map of so many nodes."""
         return cls(
             np.zeros((rows, nodes), np.float32),
             np.zeros((rows, nodes), np.uint8),

@@ -54,7 +54,7 @@ def _bound(text: str) -> tuple[Reference, Callable[..., Policy], dict[str, Any]]
 
 
 def _refuse_suffix(name: str) -> None:
-    """Say how weights are named, if that is a file of weights."""
+    """Refuse a name that is a file of weights, with a hint on naming them."""
     path = Path(name)
     if path.suffix != ".safetensors":
         return
@@ -101,7 +101,7 @@ def create_policy(text: str) -> Policy:
     """A fresh policy.
 
     Raises `UserError` if there is none of that name (the message offers the nearest), it cannot be
-    imported, or an option does not fit; a `ValueError` of its `__init__` is told. Raises
+    imported, or an option does not fit (the message has the `ValueError` of its `__init__`). Raises
     `WeightsError` if the present folder has a weight file of that name, but no weights of ours are
     in it.
 

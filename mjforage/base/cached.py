@@ -12,7 +12,7 @@ _T = TypeVar("_T")
 
 @cache
 def warn_once(line: str) -> None:
-    """Say a line of warning, the first time that it is asked for in this process."""
+    """Log a line of warning, once in a process."""
     logging.getLogger(__name__).warning("%s", line)
 
 

@@ -194,7 +194,7 @@ class BoundKernel(Generic[T]):
 
 
 def _bound_again(module: str, name: str, *fixed: object) -> BoundKernel[Any]:
-    """By its name: numba would carry a kernel's source along, whose code no disk keeps."""
+    """Bound kernel by its name: numba would pickle a kernel's source, and not its cached code."""
     return BoundKernel(getattr(importlib.import_module(module), name), *fixed)
 
 

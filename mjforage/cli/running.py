@@ -104,7 +104,7 @@ def _of_a_part(error: BaseException) -> str:
 
 
 def _end(words: str, code: int) -> None:
-    """Say one line on standard error, and end."""
+    """Print one line on standard error, and end."""
     line = printable(" ".join(words.split()))
     errors.print(f"mjforage: {line}", style="red", markup=False)
     sys.exit(code)

@@ -17,7 +17,7 @@ def several(words: Sequence[str]) -> list[str]:
 
 
 def _several(words: list[str]) -> Iterator[str]:
-    """As `several`; takes the words out of the list."""
+    """Values as `several` gives them; takes the words out of the list."""
     flags = _FLAGS.get(words[0] if words else "", {})
     while words:
         flag = words.pop(0)

@@ -90,7 +90,7 @@ class Exchange(Protocol):
 
 
 class Ideal:
-    """Everybody receives everything at once: one owner, who knows what the fleet knows together."""
+    """Ideal link: one belief owner, which receives all scans at once."""
 
     uses: Set[str] = frozenset()
     owners = 1

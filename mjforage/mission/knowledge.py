@@ -56,7 +56,7 @@ class Knowledge(NamedTuple):
 
     @classmethod
     def of_starts(cls, scans: Scans, nodes: int, owners: int = 1) -> "Knowledge":
-        """Nothing seen yet; where everybody starts is known to all.
+        """Knowledge before any scan; the start nodes are known to all.
 
         Parameters
         ----------

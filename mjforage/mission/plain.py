@@ -62,7 +62,7 @@ class Plain:
         return self._look(observation)
 
     def _look(self, observation: Observation) -> Observation:
-        """As above, at all of its arrays."""
+        """Observation as above, with all of its arrays checked."""
         if not all(map(_is_lent, observation, _TYPES)):
             return _checked(observation, self._task, self._rows)
         _check_shapes(observation, self._task, self._rows)
@@ -92,7 +92,7 @@ def plain_truth(truth: GroundTruth, task: Task) -> GroundTruth:
 
 
 def _checked(observation: Observation, task: Task, rows: int) -> Observation:
-    """As `Plain`, of what may be anything."""
+    """Observation as `Plain` gives it, from arrays of any kind."""
     _check_shapes(observation, task, rows)
     nodes, agents = len(task.graph), len(task.fleet)
     delayed, node = observation.delayed_scans, nodes - 1

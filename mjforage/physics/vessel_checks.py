@@ -18,7 +18,7 @@ from mjforage.physics.vessels import Vessel
 
 Float64Array: TypeAlias = NDArray[np.float64]
 Schedule: TypeAlias = tuple[tuple[float, float, float], ...]
-"""From t [s] on: port, starboard [rad/s or N], or shares of the largest thrust."""
+"""Commands from t [s] on: port, starboard [rad/s or N], or shares of the largest thrust."""
 
 STEP_S = 0.1
 STOPPED: Schedule = ((0.0, 0.0, 0.0),)
@@ -154,7 +154,7 @@ def inertia_matrix(vessel: Vessel, load: float = 0.0) -> Float64Array:
 
 
 def straight_drag(vessel: Vessel, load: float = 0.0) -> tuple[float, float, float]:
-    """Of m u' = T - d u - k u^2 in still air: m [kg], d [N s/m], k with air [N s2/m2]."""
+    """Drag in m u' = T - d u - k u^2 in still air: m [kg], d [N s/m], k with air [N s2/m2]."""
     air = 0.5 * AIR_DENSITY_KGPM3 * vessel.windage.area_front_m2 * vessel.windage.cdl_bow
     mass = vessel.mass_kg + load * vessel.load.mass_per_item_kg + vessel.added_mass_surge_kg
     k = vessel.quadratic_surge + load * vessel.load.drag_per_item + air

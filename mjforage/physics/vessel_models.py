@@ -1,4 +1,4 @@
-"""From a vessel to what its controllers know of it, and a tuning for vessels that bring none."""
+"""Vessel models of the controllers, and a tuning for vessels that bring none."""
 
 import dataclasses
 import math

@@ -165,7 +165,7 @@ def _check_connection(client: Any) -> None:
 
 
 def _reason(status: str, result: Any) -> str:
-    """Why a task was not done: the result is its exception, with type and traceback, if any."""
+    """Reason why a task failed: the result is its exception, with type and traceback, if any."""
     name = result[0].__name__ if status == "error" else status
     if name == "KilledWorker":
         return "it killed several workers, perhaps for want of memory"

@@ -38,17 +38,17 @@ class Cost:
     wall_s: Annotated[float, Note("unit", "s")]
     """Time from its beginning to its end."""
     began_s: Annotated[float, Note("unit", "s")]
-    """When it began, since the epoch, by the worker's clock."""
+    """Time of its beginning, since the epoch, by the worker's clock."""
     worker: str
     """Host and process that played it."""
     started: str
-    """When the command was given, ISO 8601 with microseconds."""
+    """Time of the command, ISO 8601 with microseconds."""
     how: str
     """Kind of workers: processes, local dask cluster, ..."""
     workers: int
     """Workers when the command was given."""
     decide_s: Annotated[float, Note("unit", "s")] = 0.0
-    """Of `cpu_s`, what the policy took to decide, without its first call; 0 if not measured."""
+    """Part of `cpu_s` for the policy's decisions, without its first call; 0 if not measured."""
     decisions: int = 0
     """Decisions for the whole fleet made in `decide_s`."""
 

@@ -88,7 +88,7 @@ def _shown(value: object) -> str:
 
 
 def refusal(kind: str, found: list[Difference]) -> str:
-    """Why a folder's run is not gone on with, and the remedies that there are.
+    """Reason why a folder's run is not resumed, and the remedies that there are.
 
     Another policy comes with other code, of which nothing is said then.
     """

@@ -107,13 +107,13 @@ class RunInfo:
     """The fleet."""
     hulls: Hulls
     started: str
-    """When the command was given, ISO 8601."""
+    """Time of the command, ISO 8601."""
     timings: Mapping[str, float]
     """Computing time: processor and wall-clock seconds, and decisions; empty before the end."""
     hash: str
     """Hash of scenario, map, hulls and code, that workers must agree with."""
     bounds: tuple[str, ...] = ()
-    """Those of the policies that see the truth."""
+    """Policies that see the truth (oracle bounds)."""
     classes: Mapping[str, str] = field(default_factory=dict)
     """Policy -> package.module:Class, of those that are not ours."""
     weights: Mapping[str, str] = field(default_factory=dict)

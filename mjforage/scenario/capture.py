@@ -38,7 +38,7 @@ class CaptureCell:
     trials: _Trials
     """Items that were tried."""
     taken: tuple[_Count, _Count, _Count]
-    """Those of them that were taken in the first decision, the second and the third."""
+    """Items collected in the first decision, the second and the third."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class CaptureFollow:
     trials: _Trials
     """Trials in which at least one was taken in the first decision."""
     taken: _Count
-    """Those in which both were."""
+    """Trials in which both were collected in the first decision."""
 
 
 @dataclass(frozen=True)

@@ -125,15 +125,15 @@ class Scale:
     """
 
     mass: Annotated[float, Within(0.78, 1.25), _PAYLOADS] = 1.0
-    """Of mass and yaw inertia of the rigid body."""
+    """Factor on mass and yaw inertia of the rigid body."""
     added_mass: Annotated[float, Within(0.5, 1.5), _RULES] = 1.0
-    """Of the added mass of all axes."""
+    """Factor on the added mass of all axes."""
     drag: Annotated[float, Within(0.57, 1.43), _SWAY] = 1.0
-    """Of linear, quadratic and cross-flow drag of all axes; not of what items aboard add."""
+    """Factor on linear, quadratic and cross-flow drag of all axes, without that of items aboard."""
     thrust: Annotated[float, Within(0.65, 1.0), _WORN] = 1.0
-    """Of the thrust of a propeller at any speed; of the highest thrust of other thrusters."""
+    """Factor on the thrust of propellers at any speed; on the highest thrust of other thrusters."""
     windage: Annotated[float, Within(0.5, 2.0), _AREAS] = 1.0
-    """Of the areas that the wind meets."""
+    """Factor on the areas that the wind meets."""
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,7 @@ class AlgorithmTrial:
         return state_of(trainer, [trainer.play_round() for _ in range(2 * self.rounds)])
 
     def error(self, check: str, words: str) -> ConformanceError:
-        """That the algorithm fails a check."""
+        """Error of an algorithm that fails a check."""
         return ConformanceError(check, f"algorithm {self.name} {words}")
 
 

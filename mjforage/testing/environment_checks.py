@@ -60,7 +60,7 @@ class EnvironmentTrial:
         return made if hasattr(made, "possible_agents") else made.unwrapped
 
     def error(self, check: str, words: str) -> ConformanceError:
-        """That the environment fails a check."""
+        """Error of an environment that fails a check."""
         return ConformanceError(check, f"environment {self.name} {words}")
 
 

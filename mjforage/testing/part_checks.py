@@ -21,7 +21,7 @@ from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
 Play = Callable[[list[int]], list[NDArray[Any]]]
-"""From numbers of episodes to arrays (episode, ...), one for each step or result."""
+"""Function from numbers of episodes to arrays (episode, ...), one for each step or result."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class PartTrial:
         return mission
 
     def error(self, check: str, words: str) -> ConformanceError:
-        """That it fails a check."""
+        """Error of a part that fails a check."""
         return ConformanceError(check, f"{self.name} {words}")
 
 

@@ -92,7 +92,7 @@ class PolicyTrial:
         return watched.frames
 
     def error(self, check: str, words: str) -> ConformanceError:
-        """That the policy fails a check."""
+        """Error of a policy that fails a check."""
         return ConformanceError(check, f"policy {self.name} {words}")
 
 

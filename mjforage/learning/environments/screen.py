@@ -24,11 +24,11 @@ def why_no_window() -> str:
 
 
 RENDER_MODES = ["rgb_array", "human"]
-"""Of every class: without `human` Gymnasium shows `rgb_array` in a window that wants pygame."""
+"""Modes of every class: without `human` Gymnasium shows `rgb_array` in a window with pygame."""
 
 
 def metadata_here(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """That of an environment made here: those modes alone that work, as checkers try each."""
+    """Metadata of an environment made here: only modes that work, since checkers try each."""
     return {**metadata, "render_modes": RENDER_MODES[: 1 if why_no_window() else 2]}
 
 
@@ -89,7 +89,7 @@ class Screen:
         self._window = Window("mjforage") if mode == "human" else None
 
     def __getstate__(self) -> dict[str, Any]:
-        """For a copy, which is made to think ahead and opens no window."""
+        """State of a copy, which is made to plan ahead and opens no window."""
         return vars(self) | {"_window": None}
 
     def refresh(self) -> None:

@@ -208,7 +208,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
                 self._figures[i].see(self._cores[self._where[i][0]].mission)
 
     def _observed(self) -> Arrays:
-        """Of all sub-environments; in new memory if the user wants it."""
+        """Observations of all sub-environments; in new memory if the user wants it."""
         seen = {name: self._shown(name, levels) for name, levels in self._levels().items()}
         return {**seen, MASK: _joined([core.masks for core in self._cores])}
 

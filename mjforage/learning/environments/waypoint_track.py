@@ -63,7 +63,7 @@ class WaypointTrack:
 
     @property
     def distance_m(self) -> float:
-        """From midships to the waypoint."""
+        """Distance from midships to the waypoint."""
         return float(np.hypot(*(self.target - self.pose[:2])))
 
     @property

@@ -54,7 +54,7 @@ class CommonHyperparameters:
             check_teacher(self.teacher, self.teacher_updates)
 
     def tree(self) -> dict[str, Any]:
-        """As plain values."""
+        """Hyperparameters as plain values."""
         plain = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
         return plain | {"reward": dict(self.reward), "vary": dict(self.vary)}
 
@@ -73,7 +73,7 @@ class Hyperparameters(CommonHyperparameters):
     batch: Annotated[int, Within(1, 65536), source("paper")] = 128
     """Decisions of an update."""
     learning_rate: Annotated[float, Within(0, 1)] = 3e-4
-    """Of the optimiser; the paper has 1e-4."""
+    """Learning rate of the optimiser; the paper has 1e-4."""
     rate_halves: Annotated[int, Within(0, 1_000_000_000)] = 0
     """Updates N after which the learning rate is half as large, again and again: after n it is
     2^(-n / N) of itself, so all steps together are N / ln 2 of the first; 0: it is constant."""
@@ -106,7 +106,7 @@ class Hyperparameters(CommonHyperparameters):
     teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
     """Updates with demonstrated moves; the share of episodes that the teacher plays falls to 0."""
     margin: Annotated[float, Within(0, 100)] = 0.3
-    """By how much a demonstrated move has to be better than the others (Hester et al. 2018)."""
+    """Least margin of a demonstrated move over the others (Hester et al. 2018)."""
     margin_weight: Annotated[float, Within(0, 100)] = 3.0
     """Weight of the demonstrated moves' loss."""
 

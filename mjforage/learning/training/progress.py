@@ -10,7 +10,7 @@ from mjforage.scenario.schema import OPEN
 
 Count = Annotated[int, Within(0, 10**15)]
 Row = dict[str, float]
-"""Of a log: name -> number."""
+"""Row of a log: name -> number."""
 
 
 @dataclass

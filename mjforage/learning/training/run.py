@@ -227,7 +227,7 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
 
 
 def _setups(trainer: Algorithm[Any]) -> list[Setup]:
-    """Of what is played, and of what evaluations play beside it."""
+    """Setups of the training, and of its evaluations."""
     played = [each for task in trainer.tasks for each in task.examples]
     if trainer.evaluation.scenarios != (trainer.setup.scenario,):
         played += trainer.evaluation.examples()

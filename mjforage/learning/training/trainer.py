@@ -45,7 +45,7 @@ class Trainer(Algorithm[Hyperparameters]):
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
-        """As `Algorithm`, which see; also refused: a teacher unknown, replays beyond memory."""
+        """Make a trainer as `Algorithm` does; refuse also unknown teachers or too large replays."""
         teacher = teacher_label(hyperparameters.teacher)
         hyperparameters = replace(hyperparameters, teacher=teacher)
         super().__init__(scenarios, hyperparameters, seed, device)

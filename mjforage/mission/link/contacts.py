@@ -45,7 +45,7 @@ class Air(NamedTuple):
 
     @classmethod
     def of(cls, link: Link, graph: NavigationGraph, fleet: Fleet) -> "Air":
-        """Of a scenario's link, which must not be ideal."""
+        """Air of a scenario's link, which must not be ideal."""
         turns_bad, turns_good = gilbert_elliott(link.loss, link.burst)
         return cls(
             MODELS.index(link.model),

@@ -60,7 +60,7 @@ class Traffic(NamedTuple):
 
 
 def inbox(episodes: int, agents: int, horizon: int) -> Inbox:
-    """Nothing received yet."""
+    """Empty inboxes."""
     pairs, scans = (episodes, agents, agents), agents * agents * (horizon + 1)
     return Inbox(
         received_at=np.full((*pairs, horizon + 1), NOT_RECEIVED, np.int16),
@@ -76,7 +76,7 @@ def inbox(episodes: int, agents: int, horizon: int) -> Inbox:
 
 
 def traffic(episodes: int) -> Traffic:
-    """Nothing sent yet."""
+    """Counts of traffic before anything was sent."""
     return Traffic(*(np.zeros(episodes, np.int64) for _ in Traffic._fields))
 
 

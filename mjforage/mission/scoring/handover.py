@@ -44,7 +44,7 @@ def first_received(
     t_discovered: NDArray[np.int16],
     length: Int32Array,
 ) -> NDArray[np.int64]:
-    """When listeners first receive a scan, made since an item's discovery, of items where it is.
+    """First steps in which listeners receive a scan, made since an item's discovery, that shows it.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ def camera_of(sensors: Sensors, period: int, latency: int) -> Camera:
 
 @kernel
 def variance(camera: Camera, far: float) -> float:
-    """Of a sighting at that range [m], mean of the two axes [m2], own fix and compass included."""
+    """Variance of a sighting at a range, mean of both axes [m2], own fix and compass included."""
     depth, turn = camera.depth_per_m * far * far, camera.heading_rad * far
     return camera.noise_m**2 + camera.position_m**2 + 0.5 * (depth * depth + turn * turn)
 

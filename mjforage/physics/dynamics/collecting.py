@@ -40,7 +40,7 @@ class Attempts(NamedTuple):
 
     @classmethod
     def of(cls, vessels: int, items: NDArray[np.int32]) -> Self:
-        """Nothing sought yet, of `items` (episode, item)."""
+        """Attempts before any item was sought, of `items` (episode, item)."""
         pairs = (items.shape[0], vessels)
         every = (*pairs, items.shape[1])
         return cls(
@@ -64,7 +64,7 @@ class Goal(NamedTuple):
 
     @classmethod
     def of(cls, episodes: int, vessels: int) -> Self:
-        """Nothing to do."""
+        """Goals with nothing to do."""
         pairs = (episodes, vessels)
         xy, following = np.full((*pairs, 2), np.nan), np.full((*pairs, 2), np.nan)
         return cls(xy, following, np.zeros(pairs, np.bool_))

@@ -247,7 +247,7 @@ class MujocoDynamics:
         return out
 
     def _seek(self, active: NDArray[np.bool_], sent: Sent) -> None:
-        """Tell the pilots which item to pick up, and for which to be ready after it."""
+        """Give the pilots the item to collect, and the one to be ready for after it."""
         if not self._intake:
             return
         goal = Goal.of(*sent.stay.shape)

@@ -36,7 +36,7 @@ class PeriodRecord(NamedTuple):
 
     @classmethod
     def of(cls, shape: tuple[int, int]) -> "PeriodRecord":
-        """Nothing yet."""
+        """Record before the first period."""
         yes, number = np.zeros(shape, np.bool_), np.zeros(shape)
         return cls(
             yes,

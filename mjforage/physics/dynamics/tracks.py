@@ -32,7 +32,7 @@ class Water(NamedTuple):
 
 
 class Tracks(NamedTuple):
-    """Of every vessel in every episode, and what it saw in the last frames."""
+    """Tracks of every vessel in every episode, with its sightings in the last frames."""
 
     xy: FloatArray  # (episode, vessel, item, 2) at `tick` [m]
     velocity: FloatArray  # (episode, vessel, item, 2) [m/s]

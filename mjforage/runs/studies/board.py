@@ -64,7 +64,7 @@ def board(
 
 
 def _why_not(policy: str, course: Course) -> str:
-    """Why a policy cannot begin an episode of a course; "" if it can."""
+    """Reason why a policy cannot begin an episode of a course; "" if it can."""
     task = course.setup.task
     try:
         create_policy(policy).reset(task, episode_keys(0, np.zeros(1, np.int64)))

@@ -27,7 +27,7 @@ LOW_M, MAST_M = 0.25, 5.0
 RELAY_BOAT = Role(
     count=1, moves=1, radius=0.0, collects=False, energy=0.5, relays=False, antenna_m=LOW_M
 )
-"""It sees its own node alone and has not the energy of one move: it stays at its start."""
+"""Relay that sees its own node alone and lacks the energy of one move: it stays at its start."""
 
 
 def _disk(value: float, name: str, title: str, **keys: object) -> Point:

@@ -58,7 +58,7 @@ class LeftOut:
     variant: str
     """Name of the variant."""
     reason: str
-    """Why it cannot."""
+    """Reason why the policy cannot play it."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class StudyInfo:
     command: str
     """The command that made the folder."""
     started: str
-    """When it was given, ISO 8601."""
+    """Time of the command, ISO 8601."""
     kind: str
     """Kind of study: parts, ablation, corruption, paper, communication, sensing or board."""
     scenario: Mapping[str, Any]

@@ -15,7 +15,7 @@ BASELINES = ("greedy", "oracle")  # what the belief planner is held against
 PARTS = tuple(part.name for part in fields(BeliefOptions) if part.default is True)
 FAST, ROBUST = "belief(fast=true)", "belief(robust=true)"
 IN_TOUCH = ("report", "alone", "relay")
-"""Those of them that do something over a link only."""
+"""Parts that matter over a link only."""
 WRONG = ("hotspots", "two-hotspots", "spread", "drift", "calm")
 """Worlds that the belief planner does not expect, by name."""
 

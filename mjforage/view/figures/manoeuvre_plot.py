@@ -185,7 +185,7 @@ def _way(axes: Axes, t: Trajectory) -> None:
 
 
 def _mark(axes: Axes, time_s: float, words: str) -> None:
-    """When something was ordered."""
+    """Mark the time of an order."""
     axes.axvline(time_s, color=style.MUTED, lw=1.0, ls=":")
     top = axes.get_xaxis_transform()
     axes.text(time_s, 0.02, f" {words}", transform=top, color=style.MUTED, fontsize=10, va="bottom")

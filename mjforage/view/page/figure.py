@@ -110,7 +110,7 @@ def literal(figure: Figure) -> None:
 
 
 def undefined(axes: Axes, what: str, words: str) -> None:
-    """Say inside empty axes why they are."""
+    """Write into empty axes the reason why they are empty."""
     axes.set(ylim=(0.0, 1.0), yticks=[])
     axes.text(
         0.5,

@@ -46,13 +46,13 @@ FALLBACK_COLOURS: tuple[str, ...] = (
     "#882255",
     "#5E7A8C",
 )
-"""For policies that a user registered under a name of their own."""
+"""Colours for policies that a user registered under a name of their own."""
 
 MARKERS = (
     *("o", "s", "P", "$♥$", "^", "v", "D", "d"),
     *("$♣$", "$♠$", "$▬$", "X", "<", ">", "p", "h"),
 )
-"""Of the policies that ship, in their order; others take what is left."""
+"""Markers of the policies that ship, in their order; others take the remaining ones."""
 
 Line = Literal["-", "--", ":", "-."]
 
@@ -83,7 +83,7 @@ OTHER_SHADES: tuple[tuple[str, ...], ...] = (
     ("#5D6D1E", "#3A4510", "#9CAB4C", "#232B06"),
     ("#37474F", "#1C262B", "#78909C", "#0D1214"),
 )
-"""For roles yet to come, by name."""
+"""Shades for roles yet to come, by name."""
 
 SCOUT = ROLE_SHADES["scout"][0]
 FORAGER = ROLE_SHADES["forager"][0]

@@ -72,7 +72,7 @@ class Area:
         return (self.east - self.west) / (self.north - self.south)
 
     def grown(self, margin: float) -> "Area":
-        """With a margin all around [m]."""
+        """Area with a margin all around [m]."""
         south, north = self.south - margin, self.north + margin
         return Area(self.west - margin, south, self.east + margin, north)
 
@@ -150,7 +150,7 @@ def top(about: Circumstances, time_s: float) -> View:
 
 
 def chase(about: Circumstances, time_s: float) -> View:
-    """From behind and above the followed hull, turning smoothly after it."""
+    """View from behind and above the followed vessel, turning smoothly after it."""
     hull = about.track.way(about.followed, np.array([time_s]))[0]
     calm = smoothed(about.track, about.followed, time_s, _sigma_s(about.speed))
     bow = np.array([np.cos(calm[2]), np.sin(calm[2]), 0.0])
@@ -160,7 +160,7 @@ def chase(about: Circumstances, time_s: float) -> View:
 
 
 def scout(about: Circumstances, time_s: float) -> View:
-    """From the followed hull's mast, over its bow."""
+    """View from the followed vessel's mast, over its bow."""
     hull = about.track.way(about.followed, np.array([time_s]))[0]
     calm = smoothed(about.track, about.followed, time_s, 0.2 * _sigma_s(about.speed))
     cos, sin = np.cos(hull[2]), np.sin(hull[2])

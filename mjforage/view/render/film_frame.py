@@ -50,7 +50,7 @@ class MapView(Chart):
 
     @property
     def followed(self) -> int | None:
-        """Nobody."""
+        """None: the map follows no vessel."""
         return None
 
     def state(self, time: float) -> PanelState:

@@ -1,4 +1,4 @@
-"""By whose knowledge an episode is drawn: what all know together, or one vessel alone."""
+"""Views of an episode by knowledge: the common one of the fleet, or that of one vessel."""
 
 from dataclasses import replace
 

@@ -111,7 +111,7 @@ def p_text(p: float) -> str:
 
 
 def family_note(family: Sequence[Estimate], where: str = "this table", how: str = "bold") -> str:
-    """Say how a family was tested."""
+    """Sentence on the tests of a family."""
     tests = sum(not np.isnan(one.p) for one in family)
     return (
         f"{how} where the interval leaves out 0 and it differs from 0 by paired t-tests at the "

@@ -47,7 +47,7 @@ _SUMS: dict[str, pl.Expr] = {
     "work": pl.col("work_j").cast(pl.Float64).filter(_LAST).sum(),
     "impact": pl.col("impact_mps").max().cast(pl.Float64),
 }
-"""Of the decisions made (step 1 on) in whole episodes; all but the last are added up."""
+"""Sums over the decisions made (step 1 on) in whole episodes; all but the last are added up."""
 
 
 def _figures(parts: pl.DataFrame, removed: float) -> tuple[float, ...]:

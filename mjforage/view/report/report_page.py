@@ -96,7 +96,7 @@ NOTES = (
 
 
 def notes_section(notes: Sequence[str] = NOTES) -> Section:
-    """Those notes, and others before them."""
+    """Section of notes, by default those above."""
     return Section("notes", "Notes on definitions", items=notes)
 
 

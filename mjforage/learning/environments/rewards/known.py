@@ -39,7 +39,7 @@ def term_class(text: str) -> Callable[..., Term]:
 def create_term(text: str) -> Term:
     """A fresh term.
 
-    Raises `UserError` as `term_class`; a `ValueError` of its `__init__` becomes its message.
+    Raises `UserError` as `term_class`; a `ValueError` of its `__init__` becomes part of it.
 
     Parameters
     ----------

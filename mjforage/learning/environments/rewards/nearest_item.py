@@ -64,7 +64,7 @@ class Distance(_ToNearest):
 
 @reward("approach")
 class Approach(_ToNearest):
-    """By how much the nearest item known before the move has come nearer to one that collects.
+    """Approach of a collector to the nearest item known before the move.
 
     A scout would earn it by staying with known items, one after the other as they are collected,
     instead of searching for others.

@@ -27,11 +27,11 @@ class MappoHyperparameters(CommonHyperparameters):
     """Share of every reward that all agents get the mean of; the rest is an agent's own. Yu has 1;
     here terms such as `team_removed` are for all already."""
     learning_rate: Annotated[float, Within(0, 1)] = 2e-3
-    """Of actors and critic, at first; Yu has 5e-4."""
+    """Learning rate of actors and critic, at first; Yu has 5e-4."""
     rate_updates: Annotated[int, Within(1, 1_000_000_000)] = 5000
     """Updates over which the learning rate falls to a tenth, in a straight line; Yu keeps it."""
     gain: Annotated[float, Within(1e-6, 100)] = 1.0
-    """Of the actors' last layer at first; Yu has 0.01."""
+    """Gain of the actors' last layer at first; Yu has 0.01."""
     epochs: Annotated[int, Within(1, 100)] = 4
     """Passes over a round's decisions; Yu has 5 to 15, fewer for harder tasks."""
     batch: Annotated[int, Within(1, 1_000_000)] = 256

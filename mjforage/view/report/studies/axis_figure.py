@@ -61,7 +61,7 @@ class AxisFigure:
 
     @cached_property
     def told(self) -> set[Drawn]:
-        """Those of them that differ from 0."""
+        """Points that differ significantly from 0."""
         pairs = zip(self.gaps, set_apart(list(self.gaps.values())), strict=True)
         return {one for one, apart in pairs if apart}
 

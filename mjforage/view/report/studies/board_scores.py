@@ -50,7 +50,7 @@ class Board:
 
     @cached_property
     def ranked(self) -> tuple[str, ...]:
-        """Those of them that are no bounds."""
+        """Policies that are no oracle bounds, in the fixed order."""
         return tuple(one for one in self.policies if one not in self.logs.bounds)
 
     @cached_property

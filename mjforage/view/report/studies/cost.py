@@ -33,7 +33,7 @@ def _head(logs: StudyLogs, work: Work) -> str:
 
 
 def later_chunks(costs: Iterable[Cost]) -> set[Cost]:
-    """Those that are not a worker's first of a policy in a call, which also loads and compiles."""
+    """Chunks but a worker's first of a policy in a call, which also loads and compiles."""
     own: dict[tuple[str, str, str], list[Cost]] = defaultdict(list)
     for one in costs:
         own[one.started, one.worker, one.policy].append(one)

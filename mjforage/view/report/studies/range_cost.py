@@ -21,7 +21,7 @@ DODGE = 0.1  # between policies, of the distance of two steps
 
 @dataclass(frozen=True)
 class Step:
-    """From one range to the next, on one line of an axis."""
+    """Step from one range to the next, on one line of an axis."""
 
     line: str
     near: Point

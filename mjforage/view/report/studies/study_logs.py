@@ -81,7 +81,7 @@ class StudyLogs:
         return f" · {world}" if len(self.worlds) > 1 else ""
 
     def measured(self, keys: tuple[str, ...]) -> list[Description]:
-        """Those metrics that are defined in any episode of any variant."""
+        """Metrics that are defined in any episode of any variant."""
         runs = self.runs.values()
         return [describe(k) for k in keys if any(one.has(k) and one.defined(k) for one in runs)]
 
