@@ -1,4 +1,4 @@
-"""Plans of one vessel: straight on, waiting, or through a point beside its way; what each costs."""
+"""Plans of one vessel: straight on, waiting, or a detour through a point; their costs."""
 
 import math
 from typing import NamedTuple

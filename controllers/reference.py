@@ -1,4 +1,4 @@
-"""Reference models: heading and speed that a vessel can follow, on the way to what is wanted."""
+"""Reference models: heading and speed that a vessel can follow towards the commanded ones."""
 
 import math
 

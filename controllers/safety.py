@@ -1,4 +1,4 @@
-"""Safe speeds: how fast a vessel may go and turn so that it can still stop before an obstacle.
+"""Safe speeds: limits of speed and turn rate at which a vessel can stop before an obstacle.
 
 They limit every command, whatever guidance and traffic want.
 """

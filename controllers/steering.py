@@ -1,4 +1,4 @@
-"""One control tick of one vessel: whether it goes, keeps position or picks up, and its commands."""
+"""Control tick of one vessel: mode (transit, station keeping, collecting) and commands."""
 
 import math
 

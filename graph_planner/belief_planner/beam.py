@@ -1,4 +1,4 @@
-"""The few best of many candidates, kept in order: what the searches share.
+"""Beam: the few best of many candidates, in order, for all searches.
 
 Every candidate has a slot; `order` lists the slots of those kept, the cheapest first, and `cost`
 holds what is in each slot. Of two equally dear candidates the earlier one comes first.

@@ -1,4 +1,4 @@
-"""Covers of a map: what each kind of scout sees, cell by cell, and how far off it is."""
+"""Covers of a map: cells that each kind of scout sees, and their distances."""
 
 from functools import lru_cache
 from typing import NamedTuple

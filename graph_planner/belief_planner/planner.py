@@ -1,4 +1,4 @@
-"""The belief planner for a batch: what everybody does about what is believed (`beliefs`)."""
+"""The belief planner for a batch: moves of all agents from their beliefs (`beliefs`)."""
 
 from typing import NamedTuple
 

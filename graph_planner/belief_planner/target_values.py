@@ -1,4 +1,4 @@
-"""Target values: items worth collecting and nodes worth seeing, from all that is believed."""
+"""Target values of items to collect and of nodes to see, from the beliefs."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Tracks: every item that was seen, where it must be by now, and what its way says of the drift.
+"""Tracks: every item seen, its likely place now, and the drift that its path implies.
 
 Each decision the tracks are carried on, and then reconciled with what is in view (`reconciling`).
 """

@@ -1,6 +1,4 @@
-"""All views of the episode so far, and where foragers were: what delayed measurements are held
-against.
-"""
+"""History of views and of the foragers' nodes, by which delayed measurements are judged."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Distributions over sequences of actions: what agents tell each other of their plans.
+"""Distributions over sequences of actions: the plans that agents exchange.
 
 Each agent keeps the best sequences of its tree and a chance for each, moved along the gradient of
 E[f] + b H(q) with the temperature b falling from round to round: probability collectives, D. H.

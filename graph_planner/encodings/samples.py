@@ -1,4 +1,4 @@
-"""Some nodes of many, evenly chosen, how far they are, and whose they are."""
+"""Samples of nodes, evenly chosen, with their distances and owners."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Weight files of trained policies: safetensors with a header that says what they are for.
+"""Weight files of trained policies: safetensors with a header on their use.
 
 The header can be read and checked without torch.
 """

@@ -1,4 +1,4 @@
-"""The oracle: foragers that see every item and its drift. It is an oracle bound, not a policy.
+"""The oracle: foragers that see every item and its drift. It is a bound, not a policy.
 
 It searches routes as the belief planner does, with the truth in place of a belief, so that the
 difference between the two is the value of what the planner does not know. Only gusts and the

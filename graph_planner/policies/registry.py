@@ -1,4 +1,4 @@
-"""The table of policies."""
+"""Registry of policies."""
 
 import logging
 from collections.abc import Callable, Sequence

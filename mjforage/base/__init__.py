@@ -1,1 +1,1 @@
-"""The ground that everything stands on: compiled kernels, Ctrl-C."""
+"""Foundations: errors, files, registries, randomness, compiled kernels, Ctrl-C."""

@@ -1,4 +1,4 @@
-"""Files that are whole or absent: written beside their place under a name of their own, then moved.
+"""Atomic writes: files are written beside their place under a temporary name, then moved.
 
 Two processes that write the same file never share a temporary name; the last one to finish stays.
 """

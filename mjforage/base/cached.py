@@ -1,4 +1,4 @@
-"""Work that several ask for, done once."""
+"""Caches of results that several callers share."""
 
 import logging
 from collections.abc import Callable

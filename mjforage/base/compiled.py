@@ -1,4 +1,4 @@
-"""The one place where numba is configured: every hot function of ours is an `@kernel`.
+"""Configuration of numba: every hot function of ours is an `@kernel`.
 
 Kernels take related arrays as one named tuple, and take what they need out of it
 before their loops: reading a field counts references, which costs more than the arithmetic.

@@ -1,4 +1,4 @@
-"""Errors by which other people's libraries refuse environment variables that are set."""
+"""Errors by which other libraries refuse environment variables."""
 
 import linecache
 import os

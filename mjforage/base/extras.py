@@ -1,4 +1,4 @@
-"""Libraries that a part of the users needs: which extra of mjforage brings one, and asking for it.
+"""Optional libraries: the extra of mjforage that installs each, and messages that name it.
 
 A base installation evaluates, compares and reports. What trains, films or computes on a cluster
 asks here for its library at its door.

@@ -1,4 +1,4 @@
-"""The content of a compiled kernel: all that its machine code depends on, as text.
+"""Content of a compiled kernel: everything that its machine code depends on, as text.
 
 A kernel is known by its own bytecode and constants, by those of every function that it calls, be it
 by way of others, and by the values of the global names that they read. Comments, other functions of

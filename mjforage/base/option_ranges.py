@@ -1,4 +1,4 @@
-"""The ranges of policies' options: one way to refuse what is too small or no number."""
+"""Ranges of policies' options: checks that refuse numbers out of range."""
 
 from math import isfinite
 

@@ -1,4 +1,4 @@
-"""Putting some episodes of one batch into another."""
+"""Scatter of rows: episodes of one batch replaced by those of another."""
 
 from typing import Any, TypeVar
 

@@ -1,4 +1,4 @@
-"""The workloads of `mjforage bench`: what is measured, and how much work one call of it does.
+"""Workloads of `mjforage bench`, and the amount of work of one call of each.
 
 `mjforage bench --against CHECKOUT` runs this file as a script, with that checkout first on
 `PYTHONPATH`. A line "KEY SECONDS" on standard input asks for a slice; the answer is the work done

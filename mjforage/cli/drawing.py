@@ -60,7 +60,7 @@ def render(
         Vessel by whose knowledge the map and the inset are drawn, for example scouts_0, where the
         run has a link; default what all know together.
     start
-        Where to begin [simulated s].
+        Time at which to begin [simulated s].
     duration
         Time to show [simulated s]; default to the end.
     fps
@@ -69,9 +69,9 @@ def render(
         Simulated seconds per second of film; default four decisions per second, for chase and scout
         one.
     width
-        Of a frame [pixel]; default 1280, or 16/9 of the height.
+        Width of a frame [pixel]; default 1280, or 16/9 of the height.
     height
-        Of a frame [pixel]; default 9/16 of the width.
+        Height of a frame [pixel]; default 9/16 of the width.
     """
     from mjforage.runs.replaying import recording_of_run
     from mjforage.view.render import render_recording

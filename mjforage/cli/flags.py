@@ -24,7 +24,7 @@ POLICY = Parameter(
 METRIC = Parameter(
     name="--metric",
     negative="",
-    help="A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.",
+    help="A metric besides ours: MODULE:CLASS of your own, or one of a package; repeatable.",
 )
 SET = Parameter(
     name="--set",
@@ -34,13 +34,13 @@ SET = Parameter(
 )
 MAP = Parameter(
     help="Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table, "
-    "grid or image. All else stays, starts too unless it is a generated harbour: drawn there."
+    "grid or image. The rest stays, also the starts, which a generated harbour draws anew."
 )
 WATER = Parameter(
-    help="Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table."
+    help="Cells of that file that are water, light or dark: pixels of an image, 1 or 0 of a table."
 )
 SEED = Parameter(help="Seed of the run; episode i is the same in every world, policy and variant.")
-EPISODES = Parameter(help="Episodes per policy and world; what --out holds goes on to more.")
+EPISODES = Parameter(help="Episodes per policy and world; a larger number extends --out.")
 
 Scenario = Annotated[str, SCENARIO]
 Policies = Annotated[tuple[str, ...], POLICY]
@@ -87,9 +87,9 @@ class Resuming:
     Parameters
     ----------
     fresh
-        Begin anew; what --out holds is kept beside it, as NAME.before-TIME.
+        Begin anew; the old content of --out stays beside it, as NAME.before-TIME.
     accept_code_change
-        Go on although code or versions of libraries differ; the folder's file then says so.
+        Resume although code or versions of libraries differ; the folder's file notes it.
     """
 
     fresh: Annotated[bool, Parameter(negative="")] = False

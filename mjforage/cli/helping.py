@@ -8,12 +8,12 @@ from mjforage.cli.console import app
 
 @app.command(name="help")
 def help_of(*command: str) -> None:
-    """Show what a command does and takes, as its --help; without one, which commands there are.
+    """Show the help of a command, as its --help; without one, list the commands.
 
     Parameters
     ----------
     command
-        Such as evaluate, or study board.
+        Name of a command, such as evaluate, or study board.
     """
     app([*command, "--help"], exit_on_error=False, print_error=False)
 

@@ -27,7 +27,7 @@ def manoeuvre(
     out: Annotated[Path | None, OUT] = None,
     plot: Path | None = None,
 ) -> None:
-    """Run one hull on open water in MuJoCo, from rest: a schedule of commands or a standard test.
+    """Run one vessel on open water in MuJoCo, from rest: a schedule of commands or a standard test.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def manoeuvre(
     wind
         The same for the wind.
     heading
-        At the start [degrees counter-clockwise from east].
+        Heading at the start [degrees counter-clockwise from east].
     duration
         Duration [s]; default the test's own, or 60 s beyond the schedule.
     dt
@@ -50,7 +50,7 @@ def manoeuvre(
     out
         CSV to write: t_s,x_m,y_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps.
     plot
-        ReportFigure to write.
+        Figure to write.
     """
     from mjforage.base.atomic_files import atomic_write
     from mjforage.physics.manoeuvre import (
@@ -95,7 +95,7 @@ def calibrate(
     trials
         Items in every cell: quays beside it, bearing off the bow, distance.
     seed
-        Of places, headings and noise.
+        Seed of places, headings and noise.
     output_file
         TOML file to write; by default NAME.capture.toml beside the vessel's own, where it is used.
     """

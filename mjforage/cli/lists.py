@@ -19,7 +19,7 @@ MAP_RULES = ("corner_cutting", "largest_component", "water")  # keys by which a 
 
 @app.command
 def policies() -> None:
-    """List the policies, those that installed packages bring with where they come from."""
+    """List the policies, with the source of those that installed packages bring."""
     from mjforage.graph_planner.policies.registry import POLICIES, policy_names, policy_summary
 
     def words(name: str) -> str:
@@ -31,7 +31,7 @@ def policies() -> None:
 
 @app.command
 def metrics() -> None:
-    """List the metrics: what each measures, its unit, and whether more or less of it is better."""
+    """List the metrics: definition, unit, and the better direction of each."""
     from mjforage.mission.scoring import METRICS, chosen_metrics, description
 
     ways = {1: "more is better", -1: "less is better", 0: ""}
@@ -57,7 +57,7 @@ def _told(words: Callable[[str], str], name: str) -> str:
 
 @app.command
 def scenarios(scenario: str | None = None, /, *, explain: str | None = None) -> None:
-    """List the scenarios that ship, print the file of one, or say what a key means.
+    """List the scenarios that ship, print the file of one, or explain a key.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def maps(
         harbours:[KIND:]FIRST-LAST for several, or path of a table (CSV, text), an array (.npy), an
         octile map, an ESRI grid or an image.
     water
-        Which cells of a file are water, light or dark: pixels of an image, 1 or 0 of a table.
+        Cells of a file that are water, light or dark: pixels of an image, 1 or 0 of a table.
     set
         Override KEY=VALUE of a scenario's map, as of evaluate: map.largest_component=true,
         map.corner_cutting=true or map.water=dark; repeatable.

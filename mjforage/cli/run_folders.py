@@ -106,7 +106,7 @@ def compare(
     Parameters
     ----------
     ladder
-        Also the worlds between, one piece of reality more in each: hulls, debris, intake.
+        Also the fidelity levels between, each with one effect more: hulls, debris, intake.
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """

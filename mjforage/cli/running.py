@@ -1,4 +1,4 @@
-"""Running a command, and what is said of whatever it raises: one line, and an exit code."""
+"""Running a command, and its errors: one line, and an exit code."""
 
 import logging
 import sys

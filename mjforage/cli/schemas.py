@@ -1,4 +1,4 @@
-"""The command that writes what editors and the documentation know of our files and commands."""
+"""Command that writes JSON Schemas and the reference pages of files and commands."""
 
 import importlib
 import json
@@ -44,7 +44,7 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
 
 @app.command
 def schemas(*, out: Annotated[Path | None, FOLDER] = None, pages: Path | None = None) -> None:
-    """List the kinds of files, or write what their keys are.
+    """List the kinds of files, or write schemas and reference pages of their keys.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ def bench(
     slices
         Slices of each side and workload, with --against.
     decisions
-        Only what every policy takes to decide once for a fleet of 4, 16 and 64 agents.
+        Only the time of one decision of every policy, for a fleet of 4, 16 and 64 agents.
     """
     from mjforage.base.atomic_files import write_json
     from mjforage.bench import decisions as deciding

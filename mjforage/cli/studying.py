@@ -50,7 +50,7 @@ class StudyOptions:
     world
         graph or physics, or a world between; repeat the flag for several.
     episodes
-        Episodes per variant, policy and world; what --out holds goes on to more.
+        Episodes per variant, policy and world; a larger number extends --out.
     seed
         Seed of the study; episode i is the same in every variant.
     out
@@ -236,7 +236,7 @@ def board(
         A course more: the rules of comb-port on this map, a name, grid or image; with a world as in
         harbour.csv@physics. Starts are those beside it, or drawn by chance; repeatable.
     episodes
-        Episodes per course and policy; what --out holds goes on to more.
+        Episodes per course and policy; a larger number extends --out.
     seed
         Seed of the study; episode i of a course is the same for every policy.
     out

@@ -64,7 +64,7 @@ def train(
         Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table,
         grid or image.
     water
-        Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table.
+        Cells of that file that are water, light or dark: pixels of an image, 1 or 0 of a table.
     set
         Override KEY=VALUE of the scenario, not of those of --also and --evaluate; repeatable.
     also

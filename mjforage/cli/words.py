@@ -1,4 +1,4 @@
-"""The words of a command: lists behind one flag, and what is said of one that is missing."""
+"""Words of a command: lists behind one flag, and messages about missing ones."""
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path

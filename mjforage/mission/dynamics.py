@@ -1,4 +1,4 @@
-"""The protocol of dynamics: how vessels move and items drift during one decision, in any world."""
+"""Protocol of dynamics: motion of vessels and drift of items during one decision, in any world."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol

@@ -1,4 +1,4 @@
-"""A policy's forecasts of the items, held against the truth as it decides.
+"""A policy's forecasts of the items, compared with the truth at every decision.
 
 A policy that has a method `forecast`, which gives the items expected in each node as of its last
 answer (row, node), foretells for every node whether it holds an item: f = 1 - exp(-items). See

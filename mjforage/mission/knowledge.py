@@ -1,4 +1,4 @@
-"""Knowledge: what was last seen in each node and when, and where every agent was at its last scan.
+"""Knowledge: last sight of each node with its step, and each agent's node at its last scan.
 
 A row is what one belief owner of one episode knows: the scans that it has received, and nothing
 else. With ideal communication an episode has one owner, and what it knows all agents know.

@@ -1,4 +1,4 @@
-"""Every scan of a batch, kept for the whole episode.
+"""Log of every scan of a batch, for the whole episode.
 
 A scan is what an agent sees at the end of a step from its node: how many items in each node of its
 view, empty ones included, and what it says of itself. Knowledge is the fold of the scans that were

@@ -1,4 +1,4 @@
-"""A load on the physics: a fleet driven at random through the default port.
+"""Load test of the physics: a fleet driven at random through the default port.
 
 Two scouts, two foragers and 75 items, under wind and changing commands, so that vessels and items
 lie against quays.

@@ -1,4 +1,4 @@
-"""Warnings before a run: what worlds and vessels do not feel, and what vessels cannot do."""
+"""Warnings before a run: effects missing from worlds or vessels, and limits of the vessels."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence

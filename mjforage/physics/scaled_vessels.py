@@ -1,4 +1,4 @@
-"""Hulls that differ from their files by a scenario's factors, for sensitivity and randomisation."""
+"""Vessels scaled by a scenario's factors, for sensitivity and randomisation."""
 
 from dataclasses import replace
 

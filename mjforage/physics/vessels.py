@@ -140,7 +140,7 @@ class Power:
     efficiency: Annotated[float, Quantity("1", 0.0, 1.0, above=True)]
     """Least power for a thrust, by momentum theory, over the electrical power drawn for it."""
     hotel_w: Annotated[float, Quantity("W", 0.0, 1e6)]
-    """Drawn by computers, sensors and radio, all the time."""
+    """Constant power of computers, sensors and radio."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The worlds that a mission can run in: a ladder from the graph to all of the physics.
+"""Worlds that a mission can run in: fidelity levels from the graph to all of the physics.
 
 Each world is the scenario with some pieces of reality left out, so that the differences between
 neighbours say what each piece costs. A scenario that lacks a piece has the same world twice.

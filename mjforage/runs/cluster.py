@@ -1,4 +1,4 @@
-"""dask clusters: reaching one, giving it work, and what its workers must agree with."""
+"""dask clusters: connection, distribution of work, and checks of the workers."""
 
 import asyncio
 import logging

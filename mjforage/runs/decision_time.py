@@ -1,4 +1,4 @@
-"""The time of a policy's decisions, without what the mission around them does."""
+"""Time of a policy's decisions, without the mission around them."""
 
 import time
 from collections.abc import Callable, Iterator

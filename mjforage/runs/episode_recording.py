@@ -1,4 +1,4 @@
-"""One episode, step by step, as plain arrays: what rendering and the report draw from."""
+"""One episode, step by step, as plain arrays, for rendering and the report."""
 
 import io
 import tokenize

@@ -1,4 +1,4 @@
-"""One process writes a folder at a time."""
+"""Folder lock: one process writes a folder at a time."""
 
 import errno
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Parquet files, read and written in one way: what is missing, cut, damaged or foreign is named."""
+"""Parquet files, read and written in one way: errors name a missing, damaged or foreign file."""
 
 import io
 import math

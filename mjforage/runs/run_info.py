@@ -1,4 +1,4 @@
-"""`run.json`, strictly: what was run, on which map, with which fleet."""
+"""Content of `run.json`, checked: policies, map, fleet, code and time of a run."""
 
 import json
 from collections.abc import Mapping

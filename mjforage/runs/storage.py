@@ -1,4 +1,4 @@
-"""Run folders: what identifies a run, its finished chunks, and the tables merged from them.
+"""Run folders: identity of a run, its finished chunks, and the tables merged from them.
 
 A chunk is a folder of four Parquet files that appears whole or not at all (written beside, then
 renamed), so a killed run resumes where it stopped. `run.json` is written first, `summary.json`

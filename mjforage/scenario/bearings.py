@@ -1,4 +1,4 @@
-"""Directions in degrees, as people give them: signed or not."""
+"""Directions in degrees, signed or not."""
 
 import math
 from typing import Annotated

@@ -36,7 +36,7 @@ class CaptureCell:
     from_deg: Annotated[float, Within(0, 180, "deg")]
     """Least bearing of the item off the bow, to either side; it ends where the next one begins."""
     trials: _Trials
-    """Items that were tried."""
+    """Number of trials, each with one item."""
     taken: tuple[_Count, _Count, _Count]
     """Items collected in the first decision, the second and the third."""
 
@@ -48,7 +48,7 @@ class CaptureFollow:
     quays: Quays
     """The quays beside each of them."""
     trials: _Trials
-    """Trials in which at least one was taken in the first decision."""
+    """Trials in which at least one item was collected in the first decision."""
     taken: _Count
     """Trials in which both were collected in the first decision."""
 

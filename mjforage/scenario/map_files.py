@@ -1,4 +1,4 @@
-"""Map files: where one lies, and which of its cells are water.
+"""Map files: their paths, and the cells that are water.
 
 Rows and columns are counted from 0, row 0 at the north edge, column 0 at the west edge.
 """

@@ -1,4 +1,4 @@
-"""Maps: shipped and generated ones by name, anyone's by path; what of them is connected; starts.
+"""Maps: shipped and generated ones by name, others by path; connected components; starts.
 
 Rows and columns are counted from 0, row 0 at the north edge, column 0 at the west edge.
 """

@@ -1,4 +1,4 @@
-"""The prior: what every planner may assume of a mission before it has seen anything."""
+"""The prior: assumptions of every planner about a mission before any observation."""
 
 from dataclasses import dataclass
 from typing import Annotated

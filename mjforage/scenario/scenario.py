@@ -54,7 +54,7 @@ class Rules:
     """Collection where items follow the rule: `certain`: foragers collect all items in their node;
     `calibrated`: with the capture probability of their vessels in trials (`mjforage calibrate`)."""
     order: tuple[str, ...] = ()
-    """All teams as they choose, in each the highest number first; empty: those that collect, then
+    """Teams in order of choice, in each the highest number first; empty: those that collect, then
     the others, each by name."""
 
 
@@ -69,7 +69,7 @@ class Items:
     covariance_node2: Annotated[float, Within(0, 1e9, "node^2"), source("paper")] = 20.0
     """Variance of the items' places around their hotspot, per axis."""
     hotspots: Annotated[int, Within(1, 100)] = 1
-    """Clusters, to which items are dealt out in turn."""
+    """Number of clusters; items are assigned to them in turn."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Weather:
     """Direction that the wind comes from, clockwise from north (0 north, 90 east); absent: drawn
     per episode, uniform over the circle."""
     shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
-    """Height of what stands on all land, in whose lee the wind is weaker; 0: no lee."""
+    """Height of obstacles on all land, in whose wind shadow the wind is weaker; 0: no shadow."""
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
     """Constant drift of an episode's items, uniform in +- this per axis; not with
     `wind_speed_mps`."""
@@ -147,7 +147,7 @@ class Physics:
     """`node`: all items in the hull's node at the end of a decision; `intake`: an item that enters
     the mouth at the bow."""
     items: Literal["bodies", "graph"] = "bodies"
-    """`bodies` that wind and water move, or moved by the rule of the graph world."""
+    """`bodies`: wind and water move the items; `graph`: the rule of the graph world does."""
     item_classes: tuple[str, ...] = ("drifter",)
     """Classes of `models/debris.toml`, one drawn per item."""
     integrator: Literal["fast", "reference"] = "fast"
@@ -187,28 +187,28 @@ class Sensors:
     """Correlation of detecting an item in two steps: some items are hard to see all along. Their p
     are of a beta distribution with that mean, drawn once per item."""
     false_rate: _Chance = 0.0
-    """Chance per node and epoch that an item is seen that is none; not where a collector is."""
+    """Chance of a false positive per node and epoch; none where a collector is."""
     false_hold: Annotated[int, Within(1, 30000, "decisions")] = 1
     """Length of such an epoch."""
     merge: _Chance = 0.0
-    """Chance to overlook an item, in a node in which another is detected."""
+    """Chance to miss an item, in a node in which another is detected."""
     fov_deg: Annotated[float, Within(0, 360, "deg")] = 360.0
     """Field of view about the heading; an agent's own node is always seen."""
     map: Literal["last", "filtered"] = "last"
     """Belief about a node: the items of the last scan, or an estimate from all scans."""
     camera_noise_m: Annotated[float, Within(0, 2, "m")] = 0.0
-    """Standard deviation per axis of where the middle of an item is in a frame of a collector's
+    """Standard deviation per axis of the position of an item's middle in a frame of a collector's
     camera; with 0 there is no camera, and collectors know where items are."""
     camera_range_noise_per_m: Annotated[float, Within(0, 0.1, "1/m"), _OAK] = 0.0065
     """Times the range squared: standard deviation along the line of sight, beyond that."""
     camera_fov_deg: Annotated[float, Within(10, 360, "deg"), _OAK] = 127.0
     """Field of view of the camera about the bow."""
     camera_range_m: Annotated[float, Within(1, 1e4, "m"), _OAK] = 9.0
-    """Farthest item that it sees."""
+    """Range of the camera."""
     camera_period_s: Annotated[float, Within(0.1, 10, "s"), source("estimate")] = 0.2
     """Time between two frames, a multiple of 0.1 s."""
     camera_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate")] = 0.2
-    """Time until what is in a frame is known, a multiple of 0.1 s."""
+    """Time until the content of a frame is known, a multiple of 0.1 s."""
 
     @property
     def perfect(self) -> bool:
@@ -255,7 +255,7 @@ class Link:
     """Mean length of such a time (Gilbert and Elliott); 1: decisions are independent, which makes
     it 1 / (1 - loss)."""
     latency: Annotated[int, Within(0, 30000, "decisions")] = 0
-    """Time until what was sent is received."""
+    """Time from sending a scan to receiving it."""
     bytes: Annotated[int, Within(0, 1_000_000_000, "B")] = 0
     """Bytes that an agent can send in a decision, 0 without a limit; a scan of n occupied nodes
     takes 6 + 3 n."""

@@ -1,4 +1,4 @@
-"""Conformance checks that ours pass: of policies, environments, algorithms and parts of your own.
+"""Conformance checks for policies, environments, algorithms and parts of your own.
 
 Call them in your tests; what fails is a `ConformanceError` of one sentence:
 

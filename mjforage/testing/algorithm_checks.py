@@ -1,4 +1,4 @@
-"""Conformance of learning algorithms: what a run of `mjforage train` asks of one, ours included."""
+"""Conformance of learning algorithms: the demands of `mjforage train` on one, ours included."""
 
 import tempfile
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""Conformance of policies: what every one of ours keeps, and what makes runs reproducible."""
+"""Conformance of policies: the protocol, and demands of reproducible runs."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Two belief owners in an episode: the fewest that tell rows from episodes."""
+"""Exchange with two belief owners in an episode: the fewest that distinguish rows from episodes."""
 
 from collections.abc import Set
 from typing import Self

@@ -102,7 +102,7 @@ class Hyperparameters(CommonHyperparameters):
     explore_updates: Annotated[int, Within(1, 1_000_000_000)] = 8000
     """Updates over which the share of random moves falls from `explore_from` to `explore_to`."""
     teacher: str = ""
-    """Policy that shows moves; empty: reward alone."""
+    """Policy that demonstrates moves; empty: reward alone."""
     teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
     """Updates with demonstrated moves; the share of episodes that the teacher plays falls to 0."""
     margin: Annotated[float, Within(0, 100)] = 0.3

@@ -1,4 +1,4 @@
-"""The link: how scans get from agent to agent, where not everybody receives everything at once."""
+"""The link: transfer of scans between agents, with limits of range, time, loss and budget."""
 
 from mjforage.mission.link.radio import Radio, exchange_of
 

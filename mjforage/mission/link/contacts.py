@@ -1,4 +1,4 @@
-"""Contacts: agents in reach of each other in a decision, and links that lose what they carry."""
+"""Contacts: agents in reach of each other in a decision, and links that lose their scans."""
 
 import math
 from typing import NamedTuple

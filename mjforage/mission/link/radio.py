@@ -1,4 +1,4 @@
-"""The exchange over a link: every agent holds what it has seen and received itself."""
+"""Exchange over a link: every agent has the knowledge that it has seen or received itself."""
 
 from collections.abc import Set
 from typing import NamedTuple, Self

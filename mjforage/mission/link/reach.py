@@ -1,4 +1,4 @@
-"""The reach of a link over open water, for planners that reckon with it."""
+"""Reach of a link over open water, for planners that use it."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Age of information: how old what agents know of the map is."""
+"""Age of information: age of the agents' knowledge of the map."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Handover: how long news of an item is under way to those that collect."""
+"""Handover: time until the discovery of an item reaches the collectors."""
 
 import numpy as np
 from numpy.typing import NDArray

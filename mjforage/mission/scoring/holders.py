@@ -1,4 +1,4 @@
-"""Differences between what agents know; undefined where all share one map."""
+"""Differences between the agents' knowledge; undefined where all share one map."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Mean Idleness, and how fast it falls."""
+"""Mean Idleness, and the rate at which it falls."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""From a mission that is played to its metrics, per episode and per step."""
+"""Scoring: metrics of a mission that is played, per episode and per step."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""All agents scan: the ledger and what the fleet knows together come up to date with a step."""
+"""Scans of all agents in a step, which update the ledger and the common knowledge."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""A basin in which a lone vessel is sent for items at rest, in MuJoCo, with its pilot and noise."""
+"""Test basin for a lone vessel that collects items at rest, in MuJoCo, with its pilot and noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

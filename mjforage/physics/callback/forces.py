@@ -1,4 +1,4 @@
-"""The forces of all vessels and items on one MuJoCo state: what the callback does, on plain arrays.
+"""Forces on all vessels and items in one MuJoCo state: the callback's work, on plain arrays.
 
 `apply` may be called twice on one state, since it sets the vessels' rows of M and does not add to
 them.

@@ -1,4 +1,4 @@
-"""The camera with which a vessel sees items to pick up: its errors, its frames, its field of view.
+"""Bow camera by which a vessel sees items to collect: errors, frames, field of view.
 
 The error of an item's place has two parts: a normal one of the same size at any range, for where
 the middle of a floating item is, and along the line of sight one that grows with the square of the

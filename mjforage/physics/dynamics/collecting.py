@@ -1,4 +1,4 @@
-"""Picking up: which item each forager goes for, what enters its mouth, and when it gives one up.
+"""Collecting: the item that each forager seeks, items that enter its mouth, and giving up.
 
 An attempt at an item has failed when the bow was near it and is away from it again without having
 taken it. After `ATTEMPTS` of them the item is left for `LATER_S`; others are sought instead.

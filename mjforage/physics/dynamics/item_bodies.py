@@ -1,4 +1,4 @@
-"""Items as bodies: how they are placed and read back."""
+"""Items as bodies: placing them and reading them back."""
 
 import numpy as np
 from numpy.typing import NDArray

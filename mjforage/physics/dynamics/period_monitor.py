@@ -1,4 +1,4 @@
-"""Period monitor: arrivals, hindrances, touches, way and energy, noted at every control tick.
+"""Period monitor: arrivals, hindrances, contacts, path and energy at every control tick.
 
 In a period a vessel *arrived* if midships came within `ARRIVAL_M` of
 the target's centre; it is *blocked* if it was slower than `SLOW_MPS` for `BLOCKED_S` because of

@@ -1,4 +1,4 @@
-"""Tracks of items: where a vessel takes them to be between and after sightings.
+"""Tracks of items: positions as estimated by a vessel between and after sightings.
 
 A Kalman filter of position and velocity per axis, the velocity a random walk (Bar-Shalom, Li and
 Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001, section 6.2); both

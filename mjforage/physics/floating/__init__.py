@@ -1,4 +1,4 @@
-"""Items on the water: those out of every vessel's reach move here, the others in MuJoCo.
+"""Floating items: those out of every vessel's reach move here, the others in MuJoCo.
 
 Both ways have the same equations, so that an item goes over without a jump. `drift` moves it,
 `quays` keeps it off land as MuJoCo's contacts do, `body_pool` gives an item a body near a vessel.

@@ -1,4 +1,4 @@
-"""Key figures of a manoeuvre, each with its unit: what a sea trial would report."""
+"""Key figures of a manoeuvre as a sea trial reports them, each with its unit."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Schedules: which command each thruster gets from when on, read from CSV `t_s,left,right`."""
+"""Schedules: commands of each thruster by their start times, read from CSV `t_s,left,right`."""
 
 import math
 from bisect import bisect_right

@@ -25,7 +25,7 @@ TURN_MEAN, TURN_SPLIT = 0.4, 0.2
 
 @dataclass(frozen=True)
 class StandardTest:
-    """A manoeuvre: how long it takes by default, and who steers it."""
+    """A manoeuvre: its default duration, and its steering."""
 
     description: str
     duration_s: float

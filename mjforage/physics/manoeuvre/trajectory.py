@@ -1,4 +1,4 @@
-"""A trajectory: what a vessel did, row by row, and its CSV table."""
+"""A trajectory of a vessel, row by row, and its CSV table."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""The two ways of stepping: fast for training, reference for proof.
+"""The two integrators: fast for training, reference for validation.
 
 Both advance a vessel by its own equation of motion between contacts. The fast one is semi-implicit
 Euler, q' then q, with the mean acceleration that one Runge-Kutta step of the vessel predicts. That

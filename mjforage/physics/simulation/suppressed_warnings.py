@@ -1,4 +1,4 @@
-"""MuJoCo's warnings kept off the screen and out of MUJOCO_LOG.TXT, since counters are checked."""
+"""Suppression of MuJoCo's warnings and MUJOCO_LOG.TXT, since counters are checked."""
 
 import contextlib
 from collections.abc import Iterator

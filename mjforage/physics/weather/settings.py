@@ -33,7 +33,7 @@ class WeatherSettings:
     and the wind that drives it, the vector over the leeway of those items, is added to the mean."""
 
     shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
-    """Height of what stands on all land, in whose lee the wind is weaker; 0: no lee."""
+    """Height of obstacles on all land, in whose wind shadow the wind is weaker; 0: no shadow."""
     gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0
     """Standard deviation of the gusts along the mean wind, over its speed; 0.1-0.2 is usual."""
     gust_tau_s: Annotated[float, Within(1e-2, 1e4, "s")] = 2.0

@@ -1,4 +1,4 @@
-"""The lee of quays and of what stands on them: where the wind is weaker, and by how much.
+"""Wind shadow of quays and of obstacles on them: the factor by which the wind is weaker.
 
 Behind an obstacle of height H the air of the mean wind turns back over a length d, and further
 behind it has recovered to 1 - (d / x)^1.5 of its speed at x (Roeckle 1990; Kaplan and Dinar 1996,

@@ -1,4 +1,4 @@
-"""Stream functions on a map of elements: what is unknown, and the least of drag less work."""
+"""Stream functions on a map of elements: unknowns, and the minimum of drag less work."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""A study: named variants of a scenario, each an ordinary run folder, under one roof.
+"""A study: named variants of a scenario, each an ordinary run folder, in one folder.
 
 `study.json` comes first and `summary.json` last; `variants/NAME/` are run folders, computed all
 together, so that workers pass from one to the next without a break.

@@ -1,4 +1,4 @@
-"""Tables: a line per row, and in it 0 or 1 per cell, with what programs write around them."""
+"""Tables: a line per row with a 0 or 1 per cell, and the headers that programs add."""
 
 import math
 from collections import Counter

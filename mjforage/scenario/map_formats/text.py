@@ -1,4 +1,4 @@
-"""Text files: which format one is in, and the two that say their own size.
+"""Text files: detection of the format, and the two formats that contain their own size.
 
 Octile maps: Sturtevant (2012), "Benchmarks for Grid-Based Pathfinding". ESRI ASCII grids: the
 format of ArcGIS and GDAL.

@@ -1,4 +1,4 @@
-"""Reading a JSON Schema: the node of a key, and its type, range and unit in words."""
+"""Reader of a JSON Schema: the node of a key, and its type, range and unit in words."""
 
 from collections.abc import Iterable
 from typing import Any

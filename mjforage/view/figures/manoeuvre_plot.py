@@ -1,4 +1,4 @@
-"""One figure of a manoeuvre: what it is about in large, the rest beside it, key figures below."""
+"""Figure of a manoeuvre: the main curve in large, the others beside it, key figures below."""
 
 import math
 from collections.abc import Callable

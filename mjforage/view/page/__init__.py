@@ -1,4 +1,4 @@
-"""One HTML page with everything inside it: what reports, studies and validation are set with."""
+"""One self-contained HTML page, for reports, studies and validation."""
 
 from mjforage.view.page.html import EmbeddedFigure, embedded_within, render_page
 from mjforage.view.page.table import Number, Row, Table, groups

@@ -1,4 +1,4 @@
-"""Tables in LaTeX for a paper: booktabs, intervals small, what is best in bold.
+"""Tables in LaTeX for a paper: booktabs, small intervals, the best in bold.
 
 The text compiles with pdflatex and the packages of `NEEDED`, whatever policies are called.
 """

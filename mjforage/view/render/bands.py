@@ -1,4 +1,4 @@
-"""Painting a picture in bands of rows at once; pixels do not know which band they are in."""
+"""Painting of a picture in bands of rows at once, with the same pixels as without bands."""
 
 import os
 from collections.abc import Callable

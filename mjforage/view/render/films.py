@@ -1,4 +1,4 @@
-"""A film of a recorded episode, by whichever drawing suits its world and camera."""
+"""A video of a recorded episode, by the drawing for its world and camera."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack

@@ -1,4 +1,4 @@
-"""OpenGL without a display: which library draws, and the one canvas that a process may hold.
+"""OpenGL without a display: choice of the library, and the one canvas of a process.
 
 MuJoCo's renderer works through EGL or, without a driver for it, through OSMesa. Both are tried
 here without loading OpenGL, as PyOpenGL stays with the first library it meets.

@@ -1,4 +1,4 @@
-"""Colours of films: what is in the world as everywhere (`style`), water and paper of their own."""
+"""Colours of videos: vessels and items as in `style`, water and paper of their own."""
 
 from collections.abc import Sequence
 

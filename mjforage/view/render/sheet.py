@@ -1,4 +1,4 @@
-"""A picture of what lies on the water, in world coordinates: foam, trails, halos, shadows."""
+"""Picture of marks on the water, in world coordinates: foam, trails, halos, shadows."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The visual scene of a recording: a MuJoCo model whose bodies are put where the track says.
+"""Visual scene of a recording: a MuJoCo model with its bodies at the positions of the track.
 
 Nothing in it moves by itself: vessels and items are mocap bodies without joints, and the model
 lacks the numbers by which the force callback knows its own, so drawing calls no physics. The water

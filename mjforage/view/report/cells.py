@@ -1,4 +1,4 @@
-"""Cells of the report's tables: their text, the number behind it, and what marks them."""
+"""Cells of the report's tables: their text, number and marks."""
 
 import math
 from collections.abc import Iterable, Sequence

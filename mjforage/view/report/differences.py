@@ -1,4 +1,4 @@
-"""A paired difference as tables and figures show it, and which of several are set apart from 0."""
+"""Paired differences in tables and figures, and those that differ significantly from 0."""
 
 import math
 from collections.abc import Sequence

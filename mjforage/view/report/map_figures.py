@@ -1,4 +1,4 @@
-"""Figures on the map: what is afloat and what is believed, and the tracks of the fleet."""
+"""Figures on the map: true items, believed items, and the tracks of the fleet."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Numbers printed in the paper, for comparison, and what its public code gives beside them.
+"""Numbers printed in the paper, for comparison, and those of its public code.
 
 Paper: A. Mendoza Barrionuevo, S. Yanes Luis, D. Gutierrez Reina and S. L. Toral Marin, "Beyond
 Task Performance: A Metric-Based Analysis of Sequential Cooperation in Heterogeneous Multi-Agent

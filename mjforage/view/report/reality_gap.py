@@ -1,4 +1,4 @@
-"""The reality gap: the same episodes in several worlds, paired, and what each piece of it costs."""
+"""The reality gap: the same episodes in several worlds, paired, and the share of each effect."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""A run folder's logs, loaded strictly: what is missing, truncated or foreign is named."""
+"""A run folder's logs, loaded strictly: errors name a missing, truncated or foreign file."""
 
 import math
 from collections.abc import Mapping

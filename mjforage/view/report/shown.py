@@ -1,4 +1,4 @@
-"""The part of a large run that a page shows, and how the page says so."""
+"""The part of a large run that a page shows, and the note about it."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Terms of what came into view: changes of the belief map, and idleness that ended."""
+"""Terms of nodes that came into view: changes of the belief map, and idleness that ended."""
 
 import numpy as np
 from numpy.typing import NDArray

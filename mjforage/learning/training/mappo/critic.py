@@ -1,4 +1,4 @@
-"""The central critic: the value of every agent's share of the return, by what all of them see.
+"""Central critic: value of every agent's share of the return, from all observations.
 
 Its size depends neither on the map nor on the fleet: agents' numbers are embedded one by one and
 averaged over each team (Zaheer et al. 2017, *Deep Sets*), their maps are averaged, and the truth

@@ -47,7 +47,7 @@ class MappoHyperparameters(CommonHyperparameters):
     gradient_limit: Annotated[float, Within(0, 1e6), source("Yu")] = 10.0
     """Norm of an update's gradients at most, of the actors and of the critic."""
     teacher: str = ""
-    """Policy that shows moves at first; empty: reward alone, as Yu has it."""
+    """Policy that demonstrates moves at first; empty: reward alone, as Yu has it."""
     teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
     """Updates of a warm start, in which actors learn demonstrated moves and the critic values them;
     the share of episodes that the teacher plays falls to 0."""

@@ -1,4 +1,4 @@
-"""The board: every policy on several tasks, together and one by one, and what they are."""
+"""The leaderboard: every policy on several tasks, together and one by one, with descriptions."""
 
 from mjforage.runs.studies.board import CEILING
 from mjforage.view.page import style

@@ -1,4 +1,4 @@
-"""Scores of every policy on every task of the board, and what sums them up."""
+"""Scores of every policy on every task of the leaderboard, and their summaries."""
 
 from dataclasses import dataclass
 from functools import cached_property

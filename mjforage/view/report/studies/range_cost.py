@@ -1,4 +1,4 @@
-"""The cost of information: what NT90 falls by per range, from each range to the next."""
+"""Cost of information: fall of NT90 per range, from each range to the next."""
 
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""The page of a study: its sections, what was run, and what it took."""
+"""The page of a study: its sections, settings and computing time."""
 
 from collections.abc import Sequence
 from typing import Any
