@@ -46,7 +46,7 @@ def extent(p: ModelRecord, ahead: float) -> float:
 def keep_off(
     s: VesselState, p: ModelRecord, dx: float, dy: float, vx: float, vy: float, free: bool
 ) -> float:
-    """Limit a vessel for the sake of what is at (dx, dy) from midships [m], moving at (vx, vy)
+    """Limit a vessel because of an obstacle at (dx, dy) from midships [m], moving at (vx, vy)
     [m/s].
 
     Parameters

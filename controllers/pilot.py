@@ -25,7 +25,7 @@ HELD_MPS = 0.1  # slower than this at most counts as held back
 
 
 class FleetArrays(NamedTuple):
-    """A batch of fleets and what they know of each other, written by the pilot."""
+    """A batch of fleets and their knowledge of each other, written by the pilot."""
 
     state: FleetArray  # (episode, vessel)
     models: ModelArray  # (vessel,)
@@ -160,7 +160,7 @@ class Pilot:
         state["mode"][active], state["arrived"][active] = START, 0.0
 
     def collect(self, xy: FloatArray) -> None:
-        """Name the item that each vessel shall pick up now.
+        """Set the item that each vessel shall collect now.
 
         Parameters
         ----------

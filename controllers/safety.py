@@ -88,7 +88,7 @@ def limit_going(
 
 @kernel
 def settle(s: VesselState) -> None:
-    """Let no limit ask for what the one the other way forbids."""
+    """Make opposite limits consistent: neither demands what the other forbids."""
     s.most_ahead = max(s.most_ahead, min(-s.most_astern, 0.0))
     s.most_astern = max(s.most_astern, min(-s.most_ahead, 0.0))
 

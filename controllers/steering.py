@@ -161,7 +161,7 @@ def most_gain(p: ModelRecord, speed: float, most: float) -> float:
 
 @kernel
 def safe_force(s: VesselState, p: ModelRecord, speed: float, force: float) -> float:
-    """The part of a surge force [N] that keeps to the safe speeds, or what brings the vessel to
+    """The part of a surge force [N] within the safe speeds, or the force that leads back to
     them.
 
     That is after the thrusters' lag and a tick, or with the brake that safe speeds count on.
@@ -187,7 +187,7 @@ def most_spin(p: ModelRecord, rate: float, most: float) -> float:
 
 @kernel
 def safe_moment(s: VesselState, p: ModelRecord, moment: float) -> float:
-    """The part of a moment [N m] that keeps to the safe rates of turn, or what brings it there."""
+    """The part of a moment [N m] within the safe rates of turn, or one that leads back to them."""
     munk, inertia = munk_moment(s, p), p.inertia_yaw_kgm2
     most = yaw_drag(p, s.most_port) + inertia * most_spin(p, s.rate, s.most_port) + munk
     least = -yaw_drag(p, s.most_starboard) - inertia * most_spin(p, -s.rate, s.most_starboard)

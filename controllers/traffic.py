@@ -122,7 +122,7 @@ def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
 
 @kernel
 def goes_on(traffic: Traffic, v: int) -> bool:
-    """True if vessel `v` can go straight on, or do what it did; it then does."""
+    """Let vessel `v` go straight on or keep its last plan, if free; True if it can."""
     s = traffic.fleet[v]
     planned = s.via != 0.0 or s.wait > s.clock
     try_plan(traffic, v, straight_on(s))
@@ -221,7 +221,7 @@ def plan_in_order(traffic: Traffic) -> bool:
 
 @kernel
 def go_alone(s: VesselState, p: ModelRecord) -> None:
-    """A vessel that meets nobody needs no plan."""
+    """Clear the plan of a vessel that meets no other."""
     s.wait = s.stuck = 0.0
     away = s.place_x != s.target_x or s.place_y != s.target_y
     s.place_x, s.place_y = s.target_x, s.target_y

@@ -68,7 +68,7 @@ class VesselModel:
 
 
 class ModelRecord(VesselModel, Tuning):
-    """The fields of the record `MODEL`: `VesselModel`, its `Tuning`, and what kernels ask for most.
+    """Fields of the record `MODEL`: `VesselModel`, its `Tuning`, and values derived for kernels.
 
     For readers and type checkers; it is never made.
     """

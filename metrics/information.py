@@ -204,7 +204,7 @@ def handover(discovered_at: ArrayLike, received_at: ArrayLike, horizon: int) -> 
 def cost_of_information(
     near: ArrayLike, far: ArrayLike, near_m: float, far_m: float, seed: int
 ) -> Interval:
-    """C_R = (NT90(R2) - NT90(R1)) / (R2 - R1) [1/m]: what a metre of range is worth.
+    """Cost of information C_R = (NT90(R2) - NT90(R1)) / (R2 - R1) [1/m], per metre of range.
 
     Negative where more range makes the fleet faster.
 

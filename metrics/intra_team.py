@@ -12,7 +12,7 @@ from mjforage.metrics.events import counts_by_step
 
 
 def contributions(handled_by: ArrayLike, agents: ArrayLike) -> IntArray:
-    """Items each agent of a team handled: `handled_by` (..., item), -1 = nobody -> (..., agent).
+    """Items that each agent of a team handled: `handled_by` (..., item), -1 = none -> (..., agent).
 
     Raises ValueError when `agents` (agent,) are no distinct agent indices.
     """

@@ -52,7 +52,7 @@ def parts_of(graph: NavigationGraph, start: int, number: int) -> NDArray[np.int6
 
 
 class Connectivity:
-    """Connectivity maintenance of a batch: what each row takes the others to have received.
+    """Connectivity maintenance of a batch: each row's estimate of the scans received by others.
 
     `waits`, `looks_alone` and `tells` are for rows by which one agent acts, if not `always`.
 
@@ -121,7 +121,7 @@ class Connectivity:
         return np.where(part == mine, 1.0, ELSEWHERE)
 
     def passed(self, e: int, cover: Cover, here: int, mass: NDArray[np.float64]) -> None:
-        """Lessen the mass (cell,) of what it would have noticed on its way here."""
+        """Reduce the mass (cell,) of cells that it would have noticed on its way here."""
         if self._left is None:
             self._left = np.ones((self._home.size, mass.size))
         self._left[e, cover.cells[cover.start[here] : cover.start[here + 1]]] *= 1.0 - NOTICED

@@ -50,7 +50,7 @@ class Able(NamedTuple):
 
 
 class Members(NamedTuple):
-    """Collectors, and what tells how far they come."""
+    """Collectors, and the limits of their range."""
 
     agents: NDArray[np.int64]  # (forager,) indices in the fleet
     kind: NDArray[np.int64]  # (forager,) which of the ways it moves by
@@ -209,7 +209,7 @@ def _send(
 
 
 class Collecting:
-    """Collectors, the items that they know of, and what keeps each from collecting.
+    """Collectors, the items that they know of, and the limits of each.
 
     Attributes
     ----------

@@ -28,7 +28,7 @@ PATIENCE = 12  # decisions of searching for the first hotspot without seeing a n
 
 
 class Lookers(NamedTuple):
-    """Agents that look around, and what each would notice of hotspots."""
+    """Agents that search, and the hotspots that each would notice."""
 
     scouting: Scouting
     blocks: list[BlockCover]

@@ -177,7 +177,7 @@ def add_pickup(
     first: NDArray[np.float64],
     between: NDArray[np.float64],
 ) -> None:
-    """Add what picking up the first item of every stop takes.
+    """Add the time of collecting the first item of every stop.
 
     In the nodes next to a forager that depends on how it heads.
 

@@ -42,7 +42,7 @@ class Sight(NamedTuple):
 
 
 def lateness(discount: float) -> NDArray[np.float64]:
-    """(decision,) what seeing a mass of 1 in each decision costs, 0 to `LONGEST`.
+    """(decision,) cost of seeing a mass of 1 in each decision, 0 to `LONGEST`.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class Marks(NamedTuple):
 
 
 class Search(NamedTuple):
-    """One scout's search: what it can do, what it is for, and scratch."""
+    """One scout's search: its moves, its masses, and scratch memory."""
 
     ends: Int32Array  # (node, 9) where its moves end
     cover: Cover

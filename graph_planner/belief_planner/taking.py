@@ -1,4 +1,4 @@
-"""Time that foragers take to collect what is in a node: in the graph none, with vessels some.
+"""Time that foragers need to collect the items in a node: none in the graph world.
 
 A hull takes one item after the other, needs a stand-off for one in a corner of two quays, and turns
 slowly: what lies behind it in the next node takes a decision more. On the way to a node farther

@@ -129,7 +129,7 @@ def catch_of(store: Store, seen: Observation, e: int) -> rc.Catch:
 
 @kernel
 def settle(store: Store, seen: Observation, e: int, foragers_at: Int32Array) -> Int32Array:
-    """Make tracks and drift agree with what is in view; nodes of new items (sighting,)."""
+    """Make tracks and drift agree with the present views; nodes of new items (sighting,)."""
     now, assumed, tracks, boundary = seen.step[e] - 1, store.assumed, store.tracks, store.boundary
     who = np.flatnonzero(seen.agent_seen[e] == now)
     last_seen = seen.last_seen[e]

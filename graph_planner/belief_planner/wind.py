@@ -83,7 +83,7 @@ def log_likelihood(
 
 @kernel
 def settle(wind: Wind, boundary: Boundary, e: int, ways: Ended) -> None:
-    """Keep what ended ways say for good, and empty the list."""
+    """Store the evidence of ended tracks for good, and empty the list."""
     for i in range(ways.number[0]):
         if held(boundary, ways.start[i], ways.axis[i]):
             continue

@@ -59,7 +59,7 @@ def sights_of(cells: int, landmarks: int, discount: float) -> Sights:
 
 @inlined
 def faded(fade: NDArray[np.float64], decisions: int) -> float:
-    """Worth of what can be seen in so many decisions, but not in none; 0 if never."""
+    """Worth of what is in view after so many decisions, but not at once; 0 if never."""
     return float(fade[max(1, decisions)]) if decisions < LONGEST else 0.0
 
 
@@ -73,7 +73,7 @@ def sample_sights(
     state: UInt64Array,
     sights: Sights,
 ) -> None:
-    """Draw what the others see.
+    """Draw the views of the others.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ def sample_claims(
     state: UInt64Array,
     claims: Claims,
 ) -> None:
-    """Draw what the others do.
+    """Draw the actions of the others.
 
     Parameters
     ----------

@@ -111,7 +111,7 @@ def _start(path: Path) -> str:
 
 
 def remove_parts(path: Path) -> None:
-    """Remove what killed processes had written of a file; no other may be writing it now."""
+    """Remove partial files of killed processes; no other process may be writing now."""
     for left in path.parent.iterdir():
         if left.name.startswith(_start(path)) and left.suffix == _PART:
             left.unlink(missing_ok=True)

@@ -17,13 +17,13 @@ def warn_once(line: str) -> None:
 
 
 class Cache:
-    """Base of what formulas are given: keeps what several of them compute from it."""
+    """Base of the inputs of formulas: caches results that several of them need."""
 
     def __init__(self) -> None:
         self._kept: dict[object, Any] = {}
 
     def cached(self, compute: Callable[[Any], _T]) -> _T:
-        """`compute(self)`, or what it gave when it was asked for before; arrays read-only."""
+        """Result of `compute(self)`, computed once; arrays are read-only."""
         if compute not in self._kept:
             self._kept[compute] = read_only(compute(self))
         found: _T = self._kept[compute]

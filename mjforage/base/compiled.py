@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 class _Compiling(event.Listener):
-    """Counts what numba is compiling in this process; what the disk cache holds it is not."""
+    """Counter of the kernels that numba is compiling in this process, without cached ones."""
 
     def __init__(self) -> None:
         self.depth = 0  # a kernel compiles those that it calls
@@ -154,7 +154,7 @@ _entries: dict[object, Callable[..., Any]] = {}  # by kernel and kinds of its ar
 
 
 class BoundKernel(Generic[T]):
-    """A kernel that keeps its first arguments and no longer looks at anybody's type: for kernels
+    """A kernel bound to its first arguments that no longer checks types: for kernels
     called once per decision, where finding out the types of dozens of arrays takes most of a call.
 
     The first call compiles; later arguments must be of the same types as those of the first call

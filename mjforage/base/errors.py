@@ -10,5 +10,5 @@ class WeightsError(UserError):
 
 
 def printable(text: str) -> str:
-    """A text in which what no terminal can show, such as a NUL byte, is escaped."""
+    """A text with characters that no terminal can show, such as a NUL byte, escaped."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

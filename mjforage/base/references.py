@@ -120,7 +120,7 @@ def with_options(
 
 
 def assigned(text: str) -> dict[str, Any]:
-    """The TOML value of what stands behind `KEY=`, as `value`; a bare word is a text.
+    """TOML value of the text behind `KEY=`, as `value`; a bare word is a text.
 
     A text of several lines may have other keys beside it.
     """
@@ -155,7 +155,7 @@ def _text(value: Any) -> str:
 
 
 def file_label(label: str) -> str:
-    """A label as part of a file's name: itself if it can be one, else what can, and a checksum."""
+    """A label as part of a file's name: itself if valid, else its valid part and a checksum."""
     if _SAFE.fullmatch(label):
         return label
     checksum = hashlib.sha256(label.encode()).hexdigest()[:8]
@@ -172,7 +172,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 def bind(
     made: Callable[..., object], reference: Reference, kind: str, given: int = 0
 ) -> tuple[Reference, Any]:
-    """Check a reference's options against the signature of what it names.
+    """Check a reference's options against the signature of the class or function.
 
     Parameters
     ----------

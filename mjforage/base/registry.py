@@ -98,7 +98,7 @@ class Registry(Generic[T]):
         return sorted(name for name in {*self._registered, *self._entries} if ":" not in name)
 
     def ours(self) -> list[str]:
-        """Names of what ships with mjforage, sorted."""
+        """Names of the shipped parts, sorted."""
         return sorted(name for name, made in self._registered.items() if is_ours(made))
 
     def has(self, name: str) -> bool:
@@ -137,7 +137,7 @@ class Registry(Generic[T]):
         return found
 
     def check_trusted(self, name: str, where: str, reference: str = "") -> None:
-        """Refuse a name that stands in a file, of code that is not known to be trusted.
+        """Refuse a name in a file if its code is not trusted.
 
         What ships, what an installed package brings and what the user has named is taken.
 
@@ -160,7 +160,7 @@ class Registry(Generic[T]):
                 )
 
     def bound(self, text: str) -> tuple[Reference, T, dict[str, Any]]:
-        """A reference as all spell it, what it names, and its options as keyword arguments.
+        """A reference in canonical form, the named part, and its options as keyword arguments.
 
         Raises
         ------
@@ -241,7 +241,7 @@ def is_ours(made: Any) -> bool:
 
 
 def built(what: str, make: Callable[..., Made], *given: Any, **options: Any) -> Made:
-    """Call a class or function, and tell a `ValueError` of it as what it made of its options.
+    """Call a class or function, and turn a `ValueError` into an error about its options.
 
     Raises
     ------

@@ -35,7 +35,7 @@ class RowCache(NamedTuple):
 
 @kernel
 def row_of(kept: RowCache, node: int) -> tuple[int, bool]:
-    """Row of a node, and whether it is to be filled first. Asking for the next may overwrite it."""
+    """Row of a node, and True if it must be filled first. The next request may overwrite it."""
     slot, owner, following = kept.slot, kept.owner, kept.following
     if slot[node] >= 0:
         return int(slot[node]), False

@@ -17,7 +17,7 @@ def view_of(array: T) -> T:
 
 
 def read_only(value: T) -> T:
-    """Views that cannot be written of an array, or of all arrays in a tuple; what else it is."""
+    """Read-only views of an array, or of all arrays in a tuple; other values as they are."""
     if isinstance(value, np.ndarray):
         return view_of(value)
     if isinstance(value, tuple):

@@ -67,7 +67,7 @@ def print_file(path: Path, *more: str) -> None:
 
 
 def print_list(rows: Iterable[tuple[str, str]]) -> None:
-    """Print names and what they are."""
+    """Print names with their descriptions."""
     table = Table(box=None, show_header=False, pad_edge=False)
     for name, words in rows:
         table.add_row(Text(name, style="bold"), Text(words))

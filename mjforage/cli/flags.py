@@ -107,7 +107,7 @@ class Resuming:
 
 @dataclass(frozen=True)
 class Trusting:
-    """Code that files may name, beside what ships and what installed packages bring.
+    """Code that files may name, besides shipped code and installed packages.
 
     Made of the command line alone: to make one is the user's word.
 

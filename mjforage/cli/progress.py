@@ -34,7 +34,7 @@ class _EndColumn(ProgressColumn):
 
 @contextmanager
 def bar(words: str, unit: str) -> Iterator[Report]:
-    """Show how much is done of what is counted.
+    """Show the share that is done.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def bar(words: str, unit: str) -> Iterator[Report]:
 
 
 def reporting(progress: Progress, unit: str) -> tuple[Report, Task]:
-    """A new task, and what notes how much of it is done; what is done at first tells no pace."""
+    """A new task, and a function that notes its progress; the first part gives no pace."""
     number = progress.add_task(unit, total=None)
     task = progress.tasks[-1]
 

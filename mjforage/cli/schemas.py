@@ -16,7 +16,7 @@ COMMANDS = "command-line"  # name of the page of all commands
 
 
 def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
-    """Name -> what file it is, and its schema."""
+    """Name -> description of the file, and its schema."""
     from mjforage.learning.training.hyperparameters import Hyperparameters
     from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
     from mjforage.learning.training.training_info import TrainingInfo
@@ -86,7 +86,7 @@ def _in_order(text: str, level: str = "##") -> str:
 
 
 def commands_page() -> str:
-    """The reference page of all commands and flags, as the commands themselves say it."""
+    """Reference page of all commands and flags, from their docstrings."""
     importlib.import_module("mjforage.cli.running")  # has all commands known
     text = app.generate_docs(output_format="markdown", usage_name="mjforage")
     _, separator, commands = text.partition("\n**Commands**:\n")

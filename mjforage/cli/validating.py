@@ -11,7 +11,7 @@ FAILED_CODE = 1
 
 @app.command
 def validate(vessel: str, /) -> None:
-    """Check how a vessel moves in MuJoCo; exit code 1 if a check fails.
+    """Check the motion of a vessel in MuJoCo; exit code 1 if a check fails.
 
     Parameters
     ----------

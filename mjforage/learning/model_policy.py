@@ -51,7 +51,7 @@ class ModelPolicy:
 
     @property
     def parts(self) -> tuple[Callable[..., Any], ...]:
-        """The encoder, whose source is part of what a run is."""
+        """The encoder, whose source is part of a run's identity."""
         return (encoder_class(self.observation),)
 
     def decide(self, seen: Arrays, agents: Rows) -> NDArray[Any]:

@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 
 class Stays(NamedTuple):
-    """Since when foragers have been trying for what is in their node."""
+    """Steps since which foragers have been trying for the items in their node."""
 
     node: Int32Array  # (episode, agent) at the end of the last decision
     last: FloatArray  # (episode, agent, 3) row, column [node] and yaw [rad] then
@@ -130,7 +130,7 @@ def collect_by_chance(
     room_left: NDArray[np.int64],
     state: Transition,
 ) -> None:
-    """Every forager tries for what is in its node, in index order, while it has room."""
+    """Let every forager try for the items in its node, in index order, while it has room."""
     for e in range(active.size):
         if not active[e]:
             continue

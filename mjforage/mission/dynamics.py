@@ -37,7 +37,7 @@ class Transition(NamedTuple):
 
 
 def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transition:
-    """State at step 0: everybody at rest on the centre of a node.
+    """State at step 0: every agent at rest on the centre of a node.
 
     Parameters
     ----------

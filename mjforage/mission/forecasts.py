@@ -52,7 +52,7 @@ class Forecasts:
 
     @property
     def sums(self) -> NDArray[np.float64]:
-        """(episode, bin, 4) of all who forecast, see `mjforage.metrics.calibration`."""
+        """(episode, bin, 4) sums over all forecasters, see `mjforage.metrics.calibration`."""
         return np.asarray(self._by_row.sum(axis=1))
 
     def take(

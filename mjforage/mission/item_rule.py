@@ -58,7 +58,7 @@ def collect(
     room_left: NDArray[np.int64],
     state: Transition,
 ) -> None:
-    """Every forager removes what is in its node, in index order, while it has room."""
+    """Let every forager remove the items in its node, in index order, while it has room."""
     agent_node, item_node, collected_by = state.agent_node, state.item_node, state.collected_by
     pickup = state.pickup
     for e in range(active.size):

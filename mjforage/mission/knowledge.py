@@ -91,7 +91,7 @@ def believe(
     node: np.uint64,
     items: int,
 ) -> None:
-    """Set what an owner believes of a node, and keep its list of those with items.
+    """Set an owner's belief about a node, and update its list of nodes with items.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def receive_counts(
     first: int,
     shown: NDArray[np.int16],
 ) -> None:
-    """Let an owner know what a scan has shown; of scans of one step, the larger count.
+    """Update an owner's knowledge by the counts of a scan; of scans of one step, the larger.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def receive(
     radius_number: NDArray[np.int64],
     knowledge: Knowledge,
 ) -> None:
-    """Take in the scans of this step: idleness ends and belief becomes what the scan shows.
+    """Update knowledge by the scans of this step: idleness becomes 0, belief the scan's counts.
 
     Parameters
     ----------

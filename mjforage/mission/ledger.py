@@ -40,7 +40,7 @@ def count(
     taken_by: NDArray[np.int16],
     entries: Entries,
 ) -> None:
-    """Discretise to counts, and note what was collected; collected unseen counts as discovered.
+    """Discretise to counts, and note collections; an item collected unseen counts as discovered.
 
     Parameters
     ----------

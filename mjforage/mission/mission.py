@@ -289,7 +289,7 @@ class Mission(ReadOnlyViews):
         policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.owners))
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:
-        """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.
+        """Preferences (episode, agent, 9) of a policy, those of each agent by its own knowledge.
 
         An oracle upper bound (`UpperBound`) gets the truth too, and what the fleet knows together
         unless it is `decentralised`.

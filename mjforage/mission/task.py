@@ -20,7 +20,7 @@ NEVER = np.int16(-32768)
 
 
 class TaskArrays(NamedTuple):
-    """A task as kernels read it: where agents can go, what each can do, how fast maps age."""
+    """A task as kernels read it: moves, capabilities of each agent, and the ageing of maps."""
 
     neighbours: Int32Array  # (node, 8), -1 where there is no edge
     distances: Float32Array  # (node, node) geodesic [node], or (0, 0) on a large map
@@ -147,7 +147,7 @@ class DelayedScans(NamedTuple):
 
     @property
     def agent(self) -> Int32Array:
-        """(row, scan) whose it is."""
+        """(row, scan) agent that made it."""
         return self.scans[..., 1]
 
     @property

@@ -26,7 +26,7 @@ REMEDY = "run the same command again: finished chunks are kept"
 
 
 def check_address(scheduler: str) -> None:
-    """Refuse what is no address, for which dask would wait and then fail unclearly; `UserError`."""
+    """Refuse a malformed address, for which dask would wait and fail unclearly; `UserError`."""
     if not _ADDRESS.fullmatch(scheduler):
         raise UserError(
             f"--scheduler {scheduler}: is no address; give the one that `dask scheduler` prints, "
@@ -173,12 +173,12 @@ def _reason(status: str, result: Any) -> str:
 
 
 def cores(client: Any) -> int:
-    """Worker threads of the cluster now; mjforage asks for one per worker."""
+    """Number of worker threads of the cluster now; mjforage expects one per worker."""
     return int(sum(client.ncores().values()))
 
 
 def check_code(asked: Iterable[tuple[str, str]], here: Mapping[str, str]) -> None:
-    """Check in a worker that it runs what the asking process runs.
+    """Check in a worker that it runs the same code as the asking process.
 
     Parameters
     ----------

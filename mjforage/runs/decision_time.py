@@ -31,7 +31,7 @@ class Timer:
 
     @contextmanager
     def running(self) -> Iterator[None]:
-        """Count the time of what is done within."""
+        """Context that counts the time of its block."""
         before = self.clock()
         yield
         if self._calls:

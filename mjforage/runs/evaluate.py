@@ -79,7 +79,7 @@ def check_numbers(episodes: int, seed: int) -> None:
 
 @dataclass(frozen=True)
 class Run:
-    """A run of policies in its folder: what evaluate makes one of, and a study many."""
+    """A run of policies in its folder: one of evaluate, many of a study."""
 
     setup: Setup
     policies: tuple[str, ...]
@@ -154,7 +154,7 @@ class Run:
         self.info.update(self.folder.open(self.info, accept))
 
     def lay_out(self) -> None:
-        """Divide the run into chunks, those that its folder holds included.
+        """Divide the run into chunks, including those in its folder.
 
         The folder must be claimed: merged tables of fewer episodes become chunks again.
 
@@ -169,7 +169,7 @@ class Run:
         self.chunks[:] = plan(self.policies, self.worlds, self.info["episodes"], held)
 
     def merge(self, wall_s: float) -> None:
-        """Merge the chunks into tables, and say in `run.json` what they took.
+        """Merge the chunks into tables, and write their computing time to `run.json`.
 
         Parameters
         ----------
@@ -221,7 +221,7 @@ class Run:
 def run_all(
     runs: Sequence[Run], workers: Workers, invocation: Invocation, progress: Progress
 ) -> list[Summary]:
-    """Compute what is missing of all runs in one go, and close each one once it is whole.
+    """Compute the missing chunks of all runs at once, and close each complete run.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ def _our_hash(learning: bool) -> str:
 
 
 def our_code(libraries: Iterable[str] = (), learning: bool = False) -> Code:
-    """Our code that decides numbers, and what it computes with; that which trains if asked for."""
+    """Our code that decides numbers, with its libraries; the training code if asked for."""
     found = {name: _version(name) for name in sorted({*USUAL, *libraries})}
     return Code(
         {"mjforage": _our_hash(learning)}, {name: text for name, text in found.items() if text}

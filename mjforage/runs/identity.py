@@ -62,7 +62,7 @@ def policy_libraries(name: str) -> tuple[str, ...]:
 
 
 def versions(code: Code) -> dict[str, str]:
-    """Versions in this process: of mjforage, of what the code computes with, and of Python."""
+    """Versions in this process: of mjforage, of the computing libraries, and of Python."""
     own = {"mjforage": version("mjforage"), "python": platform.python_version()}
     return own | code.versions
 
@@ -77,12 +77,12 @@ def run_hash(info: Mapping[str, Any]) -> str:
 
 
 def text_hash(text: str) -> str:
-    """16 hexadecimal digits that tell one text from others."""
+    """Hash of a text: 16 hexadecimal digits."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def files_hash(paths: Iterable[Path]) -> str:
-    """16 hexadecimal digits that tell what is in the files, one after the other, from others."""
+    """Hash of the contents of files, one after the other: 16 hexadecimal digits."""
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 
 
@@ -143,7 +143,7 @@ def run_info(
     seed: int,
     metrics: Iterable[str | ImportSpec] = (),
 ) -> dict[str, Any]:
-    """Content of `run.json` before the run: what it is and where it comes from.
+    """Content of `run.json` before the run: identity and provenance.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ def interrupts_held() -> Iterator[None]:
 
 @contextmanager
 def stop_noted(words: str) -> Iterator[Callable[[], bool]]:
-    """Note the first Ctrl-C, or a scheduler's SIGTERM, for whoever asks; the next stops at once.
+    """Context that notes the first Ctrl-C, or a scheduler's SIGTERM; the next stops at once.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def stop_noted(words: str) -> Iterator[Callable[[], bool]]:
 
 
 def start_quiet_tracker() -> None:
-    """Start the process that removes what killed workers leave behind, without its warnings.
+    """Start the process that cleans up after killed workers, without its warnings.
 
     It would say that a folder was gone already, which depends on who came first.
     """

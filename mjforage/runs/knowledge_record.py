@@ -144,7 +144,7 @@ class KnowledgeRecorder(Observer):
         self._lost.append(exchange.link_log.lost_now[0].astype(np.int16))
 
     def held(self, mission: Mission) -> KnowledgeRecord:
-        """All that was taken down."""
+        """The complete record."""
         graph, all_ = (
             mission.setup.graph,
             _Changes(*map(np.concatenate, zip(*self._changes, strict=True))),

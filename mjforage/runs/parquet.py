@@ -101,7 +101,7 @@ def scan_parquet(
 
 
 def collected(path: Path, frame: pl.LazyFrame, remedy: str = "") -> pl.DataFrame:
-    """The rows of what was asked of a table.
+    """Rows of a lazy query of a table.
 
     Raises
     ------

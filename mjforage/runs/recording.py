@@ -16,7 +16,7 @@ from mjforage.scenario.vessel_files import hull_names
 
 
 class _Recorder(Observer):
-    """Copies what is visible in the first episode of a batch."""
+    """Recorder of the visible state of the first episode of a batch."""
 
     def __init__(self) -> None:
         self.agents: list[NDArray[np.float32]] = []

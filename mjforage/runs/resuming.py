@@ -161,7 +161,7 @@ def found_in(
 def open_folder(
     path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str], accept: bool = False
 ) -> dict[str, Any]:
-    """Create a folder whose file `<kind>.json` says what it holds, or check that it says the same.
+    """Create a folder with its file `<kind>.json`, or check that the file says the same.
 
     One that holds fewer episodes of the same goes on to more: it is no longer complete then.
 

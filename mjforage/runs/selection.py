@@ -36,7 +36,7 @@ def parse_selection(text: str) -> tuple[str | int, ...]:
 
 
 def check_selection(selection: Iterable[str | int], episodes: int) -> tuple[str | int, ...]:
-    """The same without what stands twice, once the run is known to have these episodes.
+    """The selection without duplicates; the run must have these episodes.
 
     Raises
     ------

@@ -71,7 +71,7 @@ class RunFolder:
         self._chunks = path / "chunks"
 
     def check(self, info: Mapping[str, Any], accept: bool = False) -> None:
-        """Refuse what `open` refuses, and write nothing."""
+        """Check as `open` does, and write nothing."""
         found_in(self.path, "run", info, IDENTITY, accept)
 
     def open(self, info: Mapping[str, Any], accept: bool = False) -> dict[str, Any]:
@@ -200,7 +200,7 @@ class RunFolder:
             join_parquet(sources, self.path / f"{table}.parquet")
 
     def finish(self, chunks: Iterable[Chunk]) -> None:
-        """Remove the chunks of a complete run, and what killed runs were writing.
+        """Remove the chunks of a complete run, and partial files of killed ones.
 
         Everything that chunks hold is in the merged tables.
         """

@@ -20,7 +20,7 @@ _OAK = source("Luxonis OAK-D W: depth error below 2, 4, 6 % up to 3.5, 6.5, 9 m;
 
 @dataclass(frozen=True)
 class MapChoice:
-    """The grid, how it becomes a graph, and where agents start."""
+    """The grid, the rules of its graph, and the start nodes of the agents."""
 
     file: str
     """Name of a shipped map or a generated harbour (`harbour:combs:7`), or path of a table, grid or

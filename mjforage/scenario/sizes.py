@@ -55,7 +55,7 @@ def check_memory(what: str, wanted: float, remedy: str) -> None:
 
 
 def map_bytes(scenario: Scenario, shape: tuple[int, int], nodes: int) -> float:
-    """Memory of a map as a graph and of what is seen from its nodes [byte].
+    """Memory of a map as a graph and of the views from its nodes [byte].
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def mission_bytes(
 
 
 def map_costs(scenario: Scenario, name: str, shape: tuple[int, int], nodes: int) -> str:
-    """A line on what a large map will cost, empty for others.
+    """A line on the cost of a large map, empty for others.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ def vessel_path(name_or_path: str | Path) -> Path:
 
 
 def capture_path(name_or_path: str | Path) -> Path:
-    """File beside a vessel's own that says how it picks up; it need not be there.
+    """Path of a vessel's capture model, beside its own file; it need not exist.
 
     Raises
     ------

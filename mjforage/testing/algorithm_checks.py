@@ -40,7 +40,7 @@ class State(NamedTuple):
 
 @dataclass(frozen=True)
 class AlgorithmTrial:
-    """A learning algorithm, and what it is tried on.
+    """A learning algorithm, and the conditions of its checks.
 
     Attributes
     ----------
@@ -99,12 +99,12 @@ def _copied(tensors: Mapping[str, torch.Tensor]) -> dict[str, NDArray[Any]]:
 
 
 def check_parts(trial: AlgorithmTrial) -> None:
-    """Every team that has agents has a network, and what is to be kept are tensors."""
+    """Every team that has agents has a network, and the state to save consists of tensors."""
     algorithm_validation.check_parts(trial.fresh())
 
 
 def check_networks(trial: AlgorithmTrial) -> None:
-    """A network gives nine finite numbers for what an agent sees."""
+    """A network gives nine finite numbers for an agent's observation."""
     trainer = trial.fresh()
     trainer.start_round()
     seen = trainer.round.see(np.flatnonzero(trainer.round.active))

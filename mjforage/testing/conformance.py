@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class ConformanceError(AssertionError):
-    """One sentence: what was asked, what came, what to do.
+    """Failed check, in one sentence: demand, result and remedy.
 
     Attributes
     ----------

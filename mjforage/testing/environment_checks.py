@@ -31,7 +31,7 @@ class Frame(NamedTuple):
 
 @dataclass(frozen=True)
 class EnvironmentTrial:
-    """An environment, and what it is tried on.
+    """An environment, and the conditions of its checks.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ def _space(env: Any, agent: str, kind: str) -> Any:
 
 
 def begin(env: Any, seed: int | None) -> dict[str, Any]:
-    """Reset, and what is seen by each agent."""
+    """Reset, and return the observation of each agent."""
     seen = env.reset(seed=seed)[0]
     return _all_seen(env, seen) if is_parallel(env) else {ONLY: seen}
 

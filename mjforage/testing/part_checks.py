@@ -26,7 +26,7 @@ Play = Callable[[list[int]], list[NDArray[Any]]]
 
 @dataclass(frozen=True)
 class PartTrial:
-    """A metric, term or encoder, by its reference, and what it is tried on: random moves."""
+    """A metric, term or encoder, by its reference, and the random moves of its checks."""
 
     name: str
     scenario: str = "comb-port"
@@ -144,7 +144,7 @@ def _amounts(
 
 
 def check_reward_remembers_nothing(trial: PartTrial) -> None:
-    """A term that has seen other episodes gives what a fresh one gives."""
+    """A term that has seen other episodes gives the same as a fresh one."""
     terms = RewardTerms(trial.setup.task, [trial.name])
     _amounts(trial, [2, 3], terms)
     pairs = zip(_amounts(trial, [0, 1]), _amounts(trial, [0, 1], terms), strict=True)
@@ -176,7 +176,7 @@ def _pictures(trial: PartTrial, episodes: list[int]) -> list[NDArray[Any]]:
 
 
 def check_observation_shapes(trial: PartTrial) -> None:
-    """`see` gives what `shapes` says, as levels: (episode, agent, *shape) uint8."""
+    """`see` gives levels of the shapes of `shapes`: (episode, agent, *shape) uint8."""
     encoder, mission = create_encoder(trial.name, trial.setup.task), trial.mission([0, 1])
     encoder.reset(2)
     levels, agents = encoder.see(mission.observation, np.arange(2)), len(trial.setup.fleet)

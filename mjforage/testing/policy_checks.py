@@ -44,7 +44,7 @@ class Frame(NamedTuple):
 
 @dataclass(frozen=True)
 class PolicyTrial:
-    """A policy, and what it is tried on.
+    """A policy, and the conditions of its checks.
 
     Attributes
     ----------

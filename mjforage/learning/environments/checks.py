@@ -91,7 +91,7 @@ def checked_options(options: object, known: tuple[str, ...] = ()) -> Mapping[str
 
 
 def checked_started(started: bool, what: str) -> None:
-    """Refuse what needs an episode while there is none. Raises `UserError` if so."""
+    """Raise `UserError` if no episode has begun."""
     if not started:
         raise UserError(f"{what} before the first reset: no episode has begun; call reset first")
 

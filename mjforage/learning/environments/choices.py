@@ -41,7 +41,7 @@ Overrides = Sequence[str] | Mapping[str, Any]
 
 
 def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
-    """The setup of what `scenario=`, `map=` and `set=` were given.
+    """The setup from the arguments `scenario=`, `map=` and `set=`.
 
     Raises `UserError` if one of them is of another type, or the scenario is not a valid one.
     """

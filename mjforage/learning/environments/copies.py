@@ -17,7 +17,7 @@ PROTOCOL = 5
 
 
 class Copied:
-    """Base of what `copy.deepcopy` and `pickle` copy whole, with nothing in common with it."""
+    """Base of objects that `copy.deepcopy` and `pickle` copy whole, with no shared memory."""
 
     def __reduce_ex__(self, protocol: Any) -> tuple[Any, ...]:
         """Its content, of which memory is copied once."""

@@ -50,7 +50,7 @@ class EpisodeFigure:
         self._most = max(self._most, int(mission.knowledge.belief[env].max(initial=0)))
 
     def draw(self, core: EnvironmentCore, episodes: Episodes) -> NDArray[np.uint8]:
-        """(height, width, 3) what is there now, from above with seed and episode in the title."""
+        """(height, width, 3) present state, from above with seed and episode in the title."""
         from mjforage.view.render import map_film  # slow to import
         from mjforage.view.render.palette import LEAST_MOST
 

@@ -1,4 +1,4 @@
-"""The hulls of an environment in 3-D, as MuJoCo draws them."""
+"""The vessels of an environment in 3-D, as MuJoCo draws them."""
 
 from typing import TYPE_CHECKING, Any, ClassVar, Optional
 

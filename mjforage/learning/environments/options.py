@@ -82,7 +82,7 @@ class EnvironmentOptions:
 
     @classmethod
     def of(cls, arguments: Mapping[str, Any]) -> "EnvironmentOptions":
-        """Options of keyword arguments; raises as the class, and of what is no argument."""
+        """Options from keyword arguments; raises as the class, and for unknown arguments."""
         known = [each.name for each in fields(cls) if each.init]
         check_known(arguments, known)
         return cls(**arguments)

@@ -40,7 +40,7 @@ class SingleEnvironment(Copied):
         return self._core
 
     def render(self) -> Any:
-        """The map from above or what the camera sees, (height, width, 3) uint8, or None."""
+        """The map from above or the camera's picture, (height, width, 3) uint8, or None."""
         return self._screen.render()
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""`mjforage/Waypoint-v0`: the thrusters of one hull, to be steered to waypoints in weather."""
+"""`mjforage/Waypoint-v0`: the thrusters of one vessel, to be steered to waypoints in weather."""
 
 import inspect
 import math
@@ -42,7 +42,7 @@ Numbers = NDArray[np.float32]
 
 
 class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
-    """One hull in MuJoCo on open water; a step is 0.5 s of constant commands.
+    """One vessel in MuJoCo on open water; a step is 0.5 s of constant commands.
 
     **Action** `Box(-1, 1, (2,))` float32: port and starboard, -1 full astern, 1 full ahead; cut off
     beyond, and refused where it is not finite.
@@ -111,7 +111,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
 
     @property
     def track(self) -> WaypointTrack:
-        """The hull and its waypoints."""
+        """The vessel and its waypoints."""
         return self._track
 
     def reset(
@@ -171,7 +171,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         return self._end_step({"progress": gained, "reached": reached, "effort": effort})
 
     def builtin_pilot(self) -> Pilot:
-        """The built-in controller of the hull, with its orders for the present waypoint."""
+        """The built-in controller of the vessel, with its orders for the present waypoint."""
         checked_started(bool(self._way), "builtin_pilot")
         pilot = Pilot([vessel_model(self._track.vessel)], None, 1, TICK_S)
         self._order(pilot)

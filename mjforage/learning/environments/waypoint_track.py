@@ -1,4 +1,4 @@
-"""Core of `Waypoint-v0`: one hull on open water in weather, and the waypoints it is to visit."""
+"""Core of `Waypoint-v0`: one vessel on open water in weather, and its waypoints."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 
 
 class WaypointTrack:
-    """A hull and its waypoints.
+    """A vessel and its waypoints.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class WaypointTrack:
         self.simulation = Simulation(build_scene([vessel]), step_s=TICK_S)
 
     def start(self, random: np.random.Generator) -> None:
-        """Draw waypoints, weather and heading; the hull lies at the origin, at rest."""
+        """Draw waypoints, weather and heading; the vessel is at the origin, at rest."""
         reach = random.uniform(NEAREST_M, FARTHEST_M, self._count)
         bearing = random.uniform(-np.pi, np.pi, self._count)
         legs = reach[:, None] * np.stack((np.cos(bearing), np.sin(bearing)), axis=1)

@@ -177,7 +177,7 @@ class Algorithm(Generic[Settings]):
         raise NotImplementedError
 
     def restore(self, state: "Mapping[str, Tensor]") -> None:
-        """Take back what `tensors` gave."""
+        """Restore the state that `tensors` gave."""
         raise NotImplementedError
 
     def start_round(self) -> None:

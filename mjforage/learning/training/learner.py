@@ -178,7 +178,7 @@ class Learner:
         return {name: value.cpu().contiguous() for name, value in state.items()}
 
     def restore(self, state: Mapping[str, Tensor]) -> None:
-        """Take back what `tensors` gave."""
+        """Restore the state that `tensors` gave."""
 
         def part(prefix: str) -> dict[str, Tensor]:
             return {

@@ -31,7 +31,7 @@ class Progress:
 
 @dataclass
 class Clock:
-    """CPU seconds by what they went into."""
+    """CPU seconds by part."""
 
     seconds: dict[str, float] = field(
         default_factory=lambda: dict.fromkeys(("environment", "network", "replay", "teacher"), 0.0)

@@ -142,7 +142,7 @@ class ReplayMemory:
         legal: NDArray[np.bool_],
         kind: NDArray[np.uint8],
     ) -> None:
-        """Begin a block with what is seen: pictures (stream, ...), legal (stream, 9), kind."""
+        """Begin a block with the observations: pictures (stream, ...), legal (stream, 9), kind."""
         block = self._block(self.written)
         rows = np.arange(block.start, block.stop)
         _put(self.tree, rows, np.zeros(self.streams))
@@ -161,7 +161,7 @@ class ReplayMemory:
         rewards: NDArray[np.float64],
         over: NDArray[np.bool_],
     ) -> None:
-        """Complete the block with what happened.
+        """Complete the block with rewards and ends.
 
         Parameters
         ----------
@@ -179,7 +179,7 @@ class ReplayMemory:
         self.kind[block][over] = LAST
 
     def finish(self) -> None:
-        """All streams have ended: what is left can be drawn, too."""
+        """End of all streams: the remaining decisions can be drawn, too."""
         while self.ready < self.written:
             self._release()
 
@@ -244,7 +244,7 @@ class ReplayMemory:
         }
 
     def restore(self, arrays: dict[str, NDArray[np.generic]]) -> None:
-        """Take back what `arrays` gave.
+        """Restore the state that `arrays` gave.
 
         Raises `ValueError` if they are not of such a memory, or hold what none can.
         """

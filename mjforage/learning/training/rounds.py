@@ -67,7 +67,7 @@ class Round:
         return self._joined(core.masks for core in self.cores)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
-        """Levels (env, agent, ...) of what each agent knows; only `envs` are of this moment."""
+        """Levels (env, agent, ...) of each agent's knowledge; only `envs` are of this moment."""
         if len(self.cores) == 1:
             return self.cores[0].see(envs)
         for core, own in zip(self.cores, self.envs, strict=True):

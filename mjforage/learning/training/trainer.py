@@ -97,7 +97,7 @@ class Trainer(Algorithm[Hyperparameters]):
         }
 
     def restore(self, state: Mapping[str, Tensor]) -> None:
-        """Take back what `tensors` gave."""
+        """Restore the state that `tensors` gave."""
         for team, learner in self.learners.items():
             start = f"{team}."
             own = {n.removeprefix(start): v for n, v in state.items() if n.startswith(start)}

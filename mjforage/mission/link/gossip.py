@@ -279,7 +279,7 @@ def pass_on(
 
 @kernel
 def arrivals(e: int, now: int, inbox: Inbox) -> int:
-    """List in `inbox.received` what the owners of an episode receive now, by owner, step and agent.
+    """List in `inbox.received` the scans received now in an episode, by owner, step and agent.
 
     Returns
     -------

@@ -133,7 +133,7 @@ class Radio:
 
     @property
     def net(self) -> Net:
-        """All that there is of the link, to be read."""
+        """All arrays of the link, read-only."""
         return self._lent_net.of(self._net)
 
     def reset(self, task: Task, scans: Scans, pooled: Knowledge, keys: UInt64Array) -> None:
@@ -160,7 +160,7 @@ class Radio:
         self.update(scans, pooled)
 
     def update(self, scans: Scans, pooled: Knowledge) -> None:
-        """Take in the scans of a step; what inactive episodes know does not change."""
+        """Process the scans of a step; knowledge of inactive episodes does not change."""
         self._update(scans.plain())
 
     @property

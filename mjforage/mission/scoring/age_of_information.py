@@ -35,7 +35,7 @@ class AgeOfInformation(Metric):
 
 @metric
 class PeakAge(Metric):
-    """Largest AoI from its lowest value on: how far maps age again once they were known best.
+    """Largest AoI from its lowest value on, that is, after the maps were newest.
 
     The first value would always be the largest, since nothing has been seen before.
     """

@@ -22,8 +22,8 @@ class BrierSkill(Metric):
 
 @metric
 class CalibrationError(Metric):
-    """Difference between how sure the forecasts are that a node holds an item and how often it
-    does, mean over ten bins of all nodes.
+    """Difference between the forecast probability that a node holds an item and the frequency
+    with which it does, mean over ten bins of all nodes.
 
     Naeini, Cooper and Hauskrecht, AAAI 2015; undefined for policies that forecast nothing.
     """
@@ -38,8 +38,8 @@ class CalibrationError(Metric):
 
 @metric
 class Reliability(Metric):
-    """Reliability of the forecasts which nodes hold an item: mean squared difference between how
-    sure they are and how often it does, over ten bins; 0 is calibrated.
+    """Reliability of the forecasts which nodes hold an item: mean squared difference between
+    their probability and the frequency of items, over ten bins; 0 is calibrated.
 
     Murphy 1973, the first part of the Brier score.
     """

@@ -78,7 +78,7 @@ def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[ImportSpec, ...]:
 
 
 def checked(made: object, name: str) -> type[Metric]:
-    """A class that is a metric and says what it must.
+    """The class, if it is a metric with all that one must define; `UserError` if not.
 
     Raises
     ------

@@ -109,7 +109,7 @@ def map_filter(scenario: Scenario, task: Task, rows: int) -> MapFilter:
 
 
 def no_shown(task: Task, episodes: int, perfect: bool) -> NDArray[np.int16]:
-    """Memory for what scans show (episode, agent, place); of size 0 if they show all there is."""
+    """Memory for the counts of scans (episode, agent, place); of size 0 if scans are perfect."""
     places = 0 if perfect else widest_view(task)
     return np.full((episodes, len(task.fleet), places), NOT_SEEN, np.int16)
 
@@ -187,7 +187,7 @@ def sense(
     radius_number: NDArray[np.int64],
     entries: Entries,
 ) -> None:
-    """Fill what the scans of a step show, and credit first detections.
+    """Fill the counts of the scans of a step, and credit first detections.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ POOL = 8  # bodies for items near vessels, at first
 
 
 def known_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
-    """(agent,) the vessel of every agent as its file has it, which is what controllers know.
+    """(agent,) vessel of every agent by its file, as controllers know it.
 
     Raises
     ------

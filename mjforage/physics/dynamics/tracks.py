@@ -128,7 +128,7 @@ def look_out(
     xy: FloatArray,
     item_node: NDArray[np.int32],
 ) -> None:
-    """One control tick: a frame is taken if it is time for one; one that has come is worked in.
+    """One control tick: take a frame if it is due, and process a frame that has arrived.
 
     Parameters
     ----------

@@ -94,7 +94,7 @@ def push(quays: Quays, depth_m: float, speed: float, free: float, mass_kg: float
 
 @inlined
 def is_clear(land: NDArray[np.bool_], pitch_m: float, radius_m: float, x: float, y: float) -> bool:
-    """True if an item at (x, y) [m] touches nothing, for it lies amid the water of its cell."""
+    """True if an item at (x, y) [m] touches nothing, since it is amid the water of its cell."""
     i, j = math.floor(x / pitch_m + 0.5), math.floor(y / pitch_m + 0.5)
     off = max(abs(x - i * pitch_m), abs(y - j * pitch_m))
     inside = 0 <= i < land.shape[0] - 2 and 0 <= j < land.shape[1] - 2

@@ -32,7 +32,7 @@ def thrust(p: VesselParameters, command: float) -> float:
 
 @kernel
 def command_for(p: VesselParameters, force: float) -> float:
-    """The command of one side whose steady thrust is `force` [N], or the nearest it can give."""
+    """Command of one side whose steady thrust is nearest to `force` [N]."""
     if p.thrust_kind != THRUST_PROPELLER:
         return saturated(p, force)
     if force > 0.0:

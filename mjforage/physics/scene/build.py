@@ -33,7 +33,7 @@ from mjforage.physics.vessels import Vessel
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A compiled world and what is in it.
+    """A compiled world and its parts.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ def build_scene(
 
 @lru_cache(maxsize=8)
 def with_bodies(scene: Scene, items: int) -> Scene:
-    """The same scene, without what only looks, with another number of bodies for items."""
+    """The same scene without visual parts, with another number of bodies for items."""
     return build_scene(
         scene.vessels,
         navigable=~scene.land[1:-1, 1:-1].T[::-1] if scene.land.size else None,

@@ -21,7 +21,7 @@ def _no_words() -> Any:
 
 @contextlib.contextmanager
 def warnings_suppressed() -> Iterator[None]:
-    """Within it, MuJoCo counts warnings and says nothing."""
+    """Context in which MuJoCo counts warnings and prints nothing."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(_no_words().ctypes)
     try:

@@ -187,7 +187,7 @@ def run_study(
     begin: Callable[[], None] = lambda: None,
     resume: Resume = "same",
 ) -> dict[str, Any]:
-    """Compute what is missing of a study.
+    """Compute the missing runs of a study.
 
     Parameters
     ----------

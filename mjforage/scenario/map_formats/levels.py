@@ -16,7 +16,7 @@ MOST_BYTES = 200_000_000  # of a text
 
 
 def check_size(rows: int, columns: int, name: str) -> None:
-    """Refuse a map by its size, before memory is taken for its cells.
+    """Refuse a map by its size, before memory is allocated for its cells.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ _SCALARS = ("int", "float", "bool", "str")
 
 @dataclass(frozen=True)
 class NotInFile:
-    """Marks what is not a key of the file, such as a name that comes from the file's own name."""
+    """Mark of a field that is no key of the file, such as a name taken from the file's name."""
 
     def __get_pydantic_json_schema__(self, core: object, handler: Handler) -> Tree:
         """Leave the field out."""

@@ -38,7 +38,7 @@ class Row:
 
 
 def rows(schema: Any) -> list[Row]:
-    """Every key of a schema, tables before what is in them, in the order of the fields."""
+    """Every key of a schema, tables before their keys, in the order of the fields."""
     root = json_schema(schema)
     return list(_rows(root, root, ""))
 

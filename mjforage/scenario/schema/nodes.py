@@ -16,7 +16,7 @@ _TYPES = {
 
 
 def resolved(node: Tree, root: Tree) -> Tree:
-    """The node behind a reference or an optional, with what stands beside it."""
+    """The node behind a reference or an optional, with the keys beside it."""
     beside = {key: value for key, value in node.items() if key not in ("$ref", "anyOf")}
     if "$ref" in node:
         return {**root["$defs"][node["$ref"].rpartition("/")[2]], **beside}

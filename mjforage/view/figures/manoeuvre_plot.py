@@ -309,7 +309,7 @@ def _figures(
 
 
 def shown_value(value: float) -> str:
-    """Three digits, and 0 for what is nothing but rounding."""
+    """Number with three digits, and 0 for rounding errors."""
     return f"{value:.3g}" if abs(value) >= NOTHING else "0"
 
 

@@ -93,7 +93,7 @@ def canvas(width_in: float, height_in: float) -> Figure:
 
 
 def mathtext(label: str) -> str:
-    """A label with what is after its underscore as a subscript, if that is words."""
+    """A label with the words after its underscore as a subscript."""
     stem, _, below = label.partition("_")
     plain = re.fullmatch(_WORDS, below) and "$" not in stem
     return f"{stem}$_{{\\mathrm{{{below}}}}}$" if plain else label

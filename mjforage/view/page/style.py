@@ -193,7 +193,7 @@ def world_lines(worlds: Sequence[str]) -> dict[str, Line]:
 
 
 def role(collects: bool) -> Role:
-    """Word for what an agent is, by whether it collects; its colour hangs on it."""
+    """Role of an agent in a word, by its ability to collect; it decides the colour."""
     return "forager" if collects else "scout"
 
 

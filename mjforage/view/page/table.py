@@ -19,7 +19,7 @@ class Number(NamedTuple):
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its head, its cells, and what sets it apart."""
+    """One row: its head, its cells, and its marks."""
 
     head: str
     cells: tuple[str, ...]

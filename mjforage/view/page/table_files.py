@@ -87,7 +87,7 @@ def _unrounded(value: float) -> str:
 
 
 def markdown_text(table: Table) -> str:
-    """A table as Markdown with pipes, as GitHub and pandoc read it; what is best in bold."""
+    """A table as Markdown with pipes, as GitHub and pandoc read it; the best in bold."""
     heads = [_markdown(table.head), *map(_markdown, labels(table))]
     lines = [
         _piped(heads),

@@ -173,7 +173,7 @@ def scout(about: Circumstances, time_s: float) -> View:
 
 @dataclass(frozen=True)
 class Camera:
-    """A point of view and what suits it.
+    """A point of view and the settings that suit it.
 
     Attributes
     ----------

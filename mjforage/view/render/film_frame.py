@@ -152,7 +152,7 @@ def _put(image: Image, box: Box, picture: Image) -> None:
 
 
 def shape_of(recording: Recording) -> float:
-    """Width by height of what a chart shows."""
+    """Width by height of a chart's content."""
     rows, columns = shown_part(recording)
     return float((columns.stop - columns.start) / (rows.stop - rows.start))
 

@@ -59,7 +59,7 @@ def _mixed(first: Colour, second: Colour, part: Field) -> Field:
 
 
 def fields_at(recording: Recording, step: int) -> Field:
-    """(3, row, column) idleness, and signed distances to what scouts and foragers see [node].
+    """(3, row, column) idleness, and signed distances to the views of scouts and foragers [node].
 
     Distances are negative inside and at most `_REACH`. Land takes the value of the nearest water;
     idleness and the wide views of scouts are smoothed.

@@ -34,7 +34,7 @@ class Box(NamedTuple):
 
 
 class Score(NamedTuple):
-    """Boxes of what the panel shows of one episode."""
+    """Boxes of the panel's parts about one episode."""
 
     shares: Box
     notes: Box

@@ -217,7 +217,7 @@ CHART_TITLE = 24.0  # above a chart [unit]
 def paint_chart(
     image: Image, box: Box, unit: float, chart: Chart, recording: Recording, time: float
 ) -> None:
-    """The chart in the middle of its box, with whose belief it is and how many items that has."""
+    """The chart in the middle of its box, with the belief's owner and its number of items."""
     left, by = box.left + 0.5 * (box.width - chart.width), shown_name(recording)
     base, size, right = box.top + 15 * unit, text_size(unit, 12.5), left + chart.width
     room = chart.width - 3 * size

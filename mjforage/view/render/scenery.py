@@ -37,7 +37,7 @@ _SEEN: dict[str, int] = {"contype": 0, "conaffinity": 0, "group": 1}
 
 
 def add_scenery(spec: mujoco.MjSpec, navigable: Bools, pitch_m: float) -> None:
-    """Add what stands still in the pictures of a map (row, column); nothing of it collides."""
+    """Add the static scenery of a map (row, column); nothing of it collides."""
     finer, corner = pitch_m / _FINER, (BEYOND + 0.5) * pitch_m
     edge = corner + (len(navigable) - 1) * pitch_m  # northern
     for name, part, top_m in _grounds(np.pad(~navigable, BEYOND, mode="edge")):

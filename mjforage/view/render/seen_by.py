@@ -44,7 +44,7 @@ def seen_by(recording: Recording, name: str) -> Recording:
 
 
 def shown_name(recording: Recording) -> str:
-    """Name of the vessel by whose knowledge a recording is drawn, `all` if by everybody's."""
+    """Name of the vessel by whose knowledge a recording is drawn, `all` for the common one."""
     if recording.held is None or recording.held.shown < 0:
         return EVERYBODY
     return recording.labels[recording.held.shown]

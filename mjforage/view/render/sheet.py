@@ -54,7 +54,7 @@ class Sheet:
             paint_stroke(foam, self._places(xy), width, strength, (255.0,), _SOFT_FOAM)
 
     def stroke(self, xy: Floats, width_m: Floats, alpha: Floats, colour: Colour) -> None:
-        """Paint a line (n, 2) over what is there."""
+        """Paint a line (n, 2) over the picture."""
         if len(xy) > 1:
             width, paint = width_m / self.texel_m, (*colour, 255.0)
             paint_stroke(self.texels, self._places(xy), width, alpha, paint)

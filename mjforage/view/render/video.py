@@ -22,7 +22,7 @@ _FORMATS = "FILE.mp4, FILE.gif, FILE.png, frames-%04d.png or an existing folder"
 
 
 def write_video(frames: Frames, path: Path, fps: float) -> int:
-    """Write frames as the suffix of `path` says and return their number.
+    """Write frames in the format of the suffix of `path`, and return their number.
 
     A folder, or a name with a number pattern such as ``frames-%04d.png``, takes one PNG per frame,
     counted from 0. A file appears under its name only once it is complete; an older one stays

@@ -43,7 +43,7 @@ def lay_vessel(
     colour: Colour | None,
     trail_s: float,
 ) -> None:
-    """Lay what belongs to one vessel, drawn `scale` times larger than life.
+    """Paint the marks of one vessel, drawn `scale` times larger than life.
 
     Parameters
     ----------

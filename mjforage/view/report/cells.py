@@ -120,7 +120,7 @@ def summary_cell(case: Case, metric: Description, best: bool = False) -> Cell:
 
 
 def in_minutes(run: RunInfo, metric: Description, mean: float) -> str:
-    """A mean time in minutes; nothing for what is no time, or undefined."""
+    """A mean time in minutes; empty for other metrics, or if undefined."""
     timed = metric.key in OVER_T or metric.unit == "steps"
     if not timed or math.isnan(mean):
         return ""

@@ -140,7 +140,7 @@ def time_series(case: Case, key: str) -> TimeSeries:
 
 
 def finish(axes: Axes, metric: Description, empty: str) -> None:
-    """Set the ticks of a panel over time; say why nothing is drawn, if so."""
+    """Set the ticks of a panel over time, with the reason in it if nothing is drawn."""
     axes.set_xlim(0.0, 1.0)
     axes.yaxis.set_major_locator(MaxNLocator(5))
     if empty:

@@ -36,7 +36,7 @@ class Exports:
 
     @classmethod
     def of(cls, tables: str, figures: str) -> "Exports":
-        """Read what a user wants: formats with commas between them, "" for none.
+        """Parse a user's list of formats, with commas between them, "" for none.
 
         Raises
         ------

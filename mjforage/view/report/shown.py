@@ -66,7 +66,7 @@ def only(logs: RunLogs, policies: tuple[str, ...]) -> RunLogs:
 
 
 def left_out(logs: RunLogs, shown: RunLogs) -> str:
-    """Sentences on what is not on the page, and what shows it."""
+    """Sentences on the parts that are not on the page, and the command that shows them."""
     said = []
     if len(shown.policies) < len(logs.policies):
         said.append(

@@ -67,7 +67,7 @@ class RewardTerms:
         self._theirs = {name for name, term in self._terms.items() if not is_ours(type(term))}
 
     def before(self, mission: Mission) -> Before:
-        """Take a copy of what the next state is compared with; call before every step."""
+        """Copy the state that the next one is compared with; call before every step."""
         live, copied = Before.of(mission), self._copy
         arrays: tuple[NDArray[Any], ...] = live
         if copied is None or copied.belief.shape != live.belief.shape:

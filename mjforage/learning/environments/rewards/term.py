@@ -31,7 +31,7 @@ class Before(NamedTuple):
 
 
 class Step(Cache):
-    """A step that was just made, as a term sees it. `once` keeps what several terms compute.
+    """A step that was just made, as a term sees it. `once` caches results that several terms need.
 
     Attributes
     ----------

@@ -192,7 +192,7 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         return {name: value.detach().contiguous() for name, value in state.items()}
 
     def restore(self, state: Mapping[str, Tensor]) -> None:
-        """Take back what `tensors` gave."""
+        """Restore the state that `tensors` gave."""
         made = self.updates
         made.updates = count_of(state["updates"])
         for name, module in self._modules():

@@ -128,7 +128,7 @@ class Updates:
     def learn(
         self, round: Decisions, random: np.random.Generator, taught: bool = False
     ) -> list[dict[str, float]]:
-        """Some epochs over a round; what each update tells.
+        """Some epochs over a round; the losses of each update.
 
         Parameters
         ----------

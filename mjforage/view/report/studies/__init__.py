@@ -48,7 +48,7 @@ def is_study(folder: Path) -> bool:
 
 
 def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
-    """Write ``figures/*.png|svg``, ``report.html`` and what is wanted besides into a study folder.
+    """Write ``figures/*.png|svg``, ``report.html`` and optional files into a study folder.
 
     Nothing is simulated, and the same logs give the same bytes.
 

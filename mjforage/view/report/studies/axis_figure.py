@@ -137,7 +137,7 @@ def _scale(row: Sequence[Axes], metric: Description) -> None:
 def axis_figure(
     name: str, title: str, caption: str, shown: AxisFigure, heads: Sequence[str] = ()
 ) -> ReportFigure:
-    """Draw means with their intervals, filled where they differ from what they are compared with.
+    """Draw means with their intervals, filled where they differ from the reference.
 
     Parameters
     ----------

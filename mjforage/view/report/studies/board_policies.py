@@ -22,7 +22,7 @@ _ROW = re.compile(r"^\| `(?P<file>[^`]+\.safetensors)` \| (?P<cells>.+) \|$", re
 
 @lru_cache(maxsize=1)
 def training() -> dict[str, str]:
-    """Weight file -> how it was made, as the table in the weights' README says.
+    """Weight file -> its training, from the table in the weights' README.
 
     Its columns are the file, how it was made, what on, updates and episodes; links are left out.
     """

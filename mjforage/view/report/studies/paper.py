@@ -50,7 +50,7 @@ class Beside:
 
     @property
     def cells(self) -> list[Cell]:
-        """Place, paper, ours, interval, difference, and whether they agree."""
+        """Place, paper, ours, interval, difference, and agreement."""
         value, low, high = self.ours
         nothing, wide = Cell(NOTHING), np.nan_to_num(self.half)
         if not np.isfinite([low, high]).all():
