@@ -116,7 +116,7 @@ def clear_path(
 
 @kernel
 def picks_at_quay(s: VesselState, p: ModelRecord) -> bool:
-    """True if an item to pick up lies beside a quay, near by."""
+    """True if an item to collect lies beside a quay, near by."""
     near = max(abs(s.item_x - s.x), abs(s.item_y - s.y)) < p.length_m + p.clearance_m
     return bool(is_quayed(s) and near)
 

@@ -1,4 +1,4 @@
-"""Picking up an item: bring the mouth, the full beam at the bow, over it, going ahead.
+"""Collecting an item: bring the mouth, the full beam at the bow, over it, going ahead.
 
 On the way to its node an item is taken in passing. At the node, one ahead of the bow is steered
 for, and one farther away than the bow reaches is turned to first. One beside the vessel or behind
@@ -40,7 +40,7 @@ def leaves_room(s: VesselState, speed: float, room: float) -> bool:
 
 @kernel
 def is_free(s: VesselState) -> bool:
-    """True if a vessel on its way to an item there need not heed anybody."""
+    """True if a vessel on its way to an item there need not give way."""
     straight = s.via == 0.0 and s.clock >= s.wait and s.stuck == 0.0
     at_target = s.place_x == s.target_x and s.place_y == s.target_y
     return bool(straight and at_target and not math.isnan(s.item_x))

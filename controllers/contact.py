@@ -56,7 +56,7 @@ def heed(
     ----------
     x, y : the point, from midships, world axes [m]
     dx, dy : from there to what is nearest [m]
-    quay : whether that is a quay; another vessel may use half of the gap
+    quay : True if that is a quay; another vessel may use half of the gap
     """
     far = math.sqrt(dx * dx + dy * dy)
     if not 0.0 < far < NEAR_M + INSET_M:

@@ -51,7 +51,7 @@ def keep_off(
 
     Parameters
     ----------
-    free : whether it may come there: it is not limited
+    free : True if it may come there: it is not limited
 
     Returns
     -------
@@ -82,7 +82,7 @@ def keep_off(
 def heed_lee(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> None:
     """Limit a vessel for the sake of quays that its drift carries it to, and note the nearest.
 
-    The quay at which it picks up an item sets no limits while its bow is towards that.
+    The quay at which it collects an item sets no limits while its bow is towards that.
     """
     drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
     if land.size == 0 or drift < LEAST_DRIFT_MPS:

@@ -1,4 +1,4 @@
-"""Picking up an item beside a quay: along a line on which the mouth comes to it undisturbed.
+"""Collecting an item beside a quay: along a line on which the mouth comes to it undisturbed.
 
 At a straight quay a vessel comes in as it bears, up to an angle: an oblique bow touches the quay
 with one corner first, so the item must lie the nearer to that corner the more oblique it comes.
@@ -42,7 +42,7 @@ COMING, OFF = 0.0, 1.0  # ways of `VesselState.approach`
 
 @kernel
 def is_quayed(s: VesselState) -> bool:
-    """True if the item to pick up lies beside a quay."""
+    """True if the item to collect lies beside a quay."""
     return bool(s.quay_x != 0.0 or s.quay_y != 0.0)
 
 

@@ -286,7 +286,7 @@ def steer(s: VesselState, p: ModelRecord, room: float, step_s: float) -> tuple[f
 
     Parameters
     ----------
-    room : how far from the target on each axis midships may go to pick up an item [m]
+    room : how far from the target on each axis midships may go to collect an item [m]
     """
     if s.mode == TRANSIT:
         if meets_item(s, p):

@@ -205,7 +205,7 @@ def bootstrap_sensitivity(
     levels : (level,) corruption eps, rising, at least 5
     values : (level, episode) performance, NaN = undefined, left out of the means
     seed : of the numpy Generator that draws the resamples
-    same_episodes : whether episode i is the same world at every level; then a resample takes
+    same_episodes : True if episode i is the same world at every level; then a resample takes
         the same episodes at all levels
     resamples : how many, at least 1; those without a defined episode at some level are left out
 

@@ -270,7 +270,7 @@ def search_sweep(
     elsewhere : (landmark,) decisions in which another agent could see each, `LONGEST` if none
     late : what seeing a mass of 1 in each decision costs, see `lateness`
     beam, depth : plans kept, decisions planned
-    whole : whether the path is wanted, else the search ends once all plans begin alike
+    whole : True if the path is wanted, else the search ends once all plans begin alike
     preferences : (9,) filled; -inf where illegal
     path : (depth,) nodes of the best plan so far, filled
     """

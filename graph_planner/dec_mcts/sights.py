@@ -116,7 +116,7 @@ def seen_from(
 
     Parameters
     ----------
-    keep : whether the simulation sees it by that, else it only asks
+    keep : True if the simulation sees it by that, else it only asks
     """
     start, cells, landmark, mass = cover.start, cover.cells, cover.landmark, scouts.mass
     mine, others, earliest, rest = sights.mine, sights.others, sights.worth, sights.rest

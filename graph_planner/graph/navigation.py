@@ -70,7 +70,7 @@ class NavigationGraph:
     ----------
     navigable : (row, column) bool
     pitch_m : distance between neighbouring node centres [m]
-    corner_cutting : whether a diagonal edge may pass between two land cells, or beside one
+    corner_cutting : True if a diagonal edge may pass between two land cells, or beside one
     """
 
     navigable: NDArray[np.bool_]
@@ -211,7 +211,7 @@ def navigation_graph(
     ----------
     navigable : (row, column) bool
     pitch_m : distance between neighbouring node centres [m]
-    corner_cutting : whether diagonals may cut corners
+    corner_cutting : True if diagonals may cut corners
     """
     cells = np.ascontiguousarray(navigable, np.bool_)
     shape = (cells.shape[0], cells.shape[1])

@@ -116,7 +116,7 @@ def node_lists(
     node_of_cell : (row, column) int32 node of each cell, -1 on land
     rows, cols : (node,) int32
     radii : [node]
-    line_of_sight : whether land on the rounded line hides a node
+    line_of_sight : True if land on the rounded line hides a node
     """
     start = np.zeros((len(radii), rows.size + 1), np.int64)
     parts: list[Int32Array] = []

@@ -308,7 +308,7 @@ class AuctionPolicy:
     near : how far from an item its neighbourhood reaches [node]
     cool : how long a neighbourhood without known items stays one (time constant) [decision]
     patience : added to the time of a scout's way in its bids; larger: it goes farther [decision]
-    frontiers : whether only frontiers are sold to scouts, or every place
+    frontiers : True if only frontiers are sold to scouts, else every place
     """
 
     def __init__(

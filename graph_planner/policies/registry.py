@@ -159,7 +159,7 @@ def add_policy(text: str, spec: ImportSpec) -> None:
 
 
 def policy_files(text: str) -> tuple[Path, ...]:
-    """The files that a policy's moves hang on, its weights for example.
+    """The files that a policy's moves depend on, its weights for example.
 
     A warning is logged if the present folder has weights of that name which it does not read.
     Raises `UserError` as `create_policy`, and if one of them is missing.

@@ -261,7 +261,7 @@ def built(what: str, make: Callable[..., Made], *given: Any, **options: Any) -> 
 def fault(error: BaseException, package: str = "") -> str:
     """Error of a package's code, with its line: "IndexError: ... (file, line 3)"; "" of other code.
 
-    Without a package, by whoever raised it.
+    Without a package, of any code.
     """
     lines = [
         f"{Path(frame.f_code.co_filename).name}, line {line}"
@@ -274,7 +274,7 @@ def fault(error: BaseException, package: str = "") -> str:
 def blamed(error: BaseException) -> str:
     """Message about an error in code from outside: the part, the error and its line.
 
-    Empty for an error of anybody else.
+    Empty for an error of other code.
     """
     for package, what in _BROUGHT.items():
         if words := fault(error, package):

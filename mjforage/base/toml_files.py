@@ -14,7 +14,7 @@ def read_toml(path: Path, where: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    where : what errors name first
+    where : start of error messages
 
     Raises
     ------

@@ -26,7 +26,7 @@ def run(arguments: Sequence[str] | None, interrupted: Callable[[], bool]) -> Non
     Parameters
     ----------
     arguments : by default those of the process
-    interrupted : whether Ctrl-C has come, whatever was made of it
+    interrupted : True if Ctrl-C has come, whatever was made of it
     """
     with forgiving_streams():
         logging.basicConfig(

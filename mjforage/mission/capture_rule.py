@@ -103,7 +103,7 @@ def _take(
     room_left: NDArray[np.int64],
     state: Transition,
 ) -> int:
-    """One forager takes items of its node until it misses one; how its picking up ended."""
+    """One forager takes items of its node until it misses one; how its collecting ended."""
     pose, ended = stays.begun[e, a], IDLE
     while room_left[e, a] > 0:
         k = _nearest(state, e, state.agent_node[e, a], pose)

@@ -81,7 +81,7 @@ class EpisodeLog(Observer):
     outcome : (episode, T + 1, agent) int8, see `mjforage.mission.dynamics`; step 0 has no meaning
     pickup : (episode, T + 1, agent) int8, see `mjforage.mission.task.PICKUPS`
     length : (episode,) decisions made
-    t_discovered, discovered_by, t_collected, collected_by : (episode, item), -1 never and nobody
+    t_discovered, discovered_by, t_collected, collected_by : (episode, item), -1 never and none
     n_items : (episode,); items beyond it are padding
     item_start : (episode, item, 2) initial position (row, column) [node]
     link : what went over the links, None without; of a batch that is over

@@ -44,7 +44,7 @@ class Exchange(Protocol):
     Attributes
     ----------
     owner_of : (agent,) number of the owner by whose knowledge each agent acts, 0 to `owners` - 1
-    owners : how many there are in an episode
+    owners : number of owners in an episode
     """
 
     owner_of: NDArray[np.int64]

@@ -57,7 +57,7 @@ class GraphDynamics:
 
     Attributes
     ----------
-    pickup : what picking up takes hulls, None if a forager takes all that is in its node
+    pickup : mean delays of collecting, None if a forager takes all that is in its node
     """
 
     def __init__(

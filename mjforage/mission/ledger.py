@@ -21,7 +21,7 @@ from mjforage.mission.task import Task
 
 
 class Entries(NamedTuple):
-    """The arrays of a ledger. Steps are -1 for never, agents -1 for nobody."""
+    """The arrays of a ledger. Steps are -1 for never, agents -1 for none."""
 
     places: NDArray[np.int64]  # (episode,) see `item_places`
     truth: NDArray[np.int16]  # (episode, node) items
@@ -45,7 +45,7 @@ def count(
     Parameters
     ----------
     item_node : (episode, item) node of each item, -1 once removed
-    taken_by : (episode, item) agent that removed it, -1 nobody
+    taken_by : (episode, item) agent that removed it, -1 none
     """
     places, truth, counted_node = entries.places, entries.truth, entries.counted_node
     t_discovered, discovered_by = entries.t_discovered, entries.discovered_by

@@ -25,8 +25,8 @@ class MoveRules:
 
     Attributes
     ----------
-    stay : whether staying put is an action
-    shorten : whether a move of several nodes ends before an obstacle instead of being illegal
+    stay : True if staying put is an action
+    shorten : True if a move of several nodes ends before an obstacle instead of being illegal
     """
 
     stay: bool

@@ -72,7 +72,7 @@ class Setup:
 
         Parameters
         ----------
-        recorded : whether one of them is recorded for films
+        recorded : True if one of them is recorded for films
 
         Raises
         ------

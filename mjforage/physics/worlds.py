@@ -26,7 +26,7 @@ class WorldKind:
 
     Attributes
     ----------
-    summary : what it adds to the one before
+    summary : effects that it adds to the one before
     dynamics : makes its dynamics
     adapt : the scenario as this world has it
     """

@@ -319,7 +319,7 @@ def evaluate(
     kept : episodes to record, as of `parse_selection`; a finished run is added to
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more
-    seed : of the run
+    seed : seed of the run
     workers : processes or cluster that compute
     progress : called with (episodes done, episodes in all)
     resume : treatment of a run that the folder holds

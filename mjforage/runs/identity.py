@@ -130,7 +130,7 @@ def _captures(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
 
 
 def weight_hashes(policies: Sequence[str]) -> dict[str, str]:
-    """Hash of the files that every policy's moves hang on: they change under the same name."""
+    """Hash of the files that every policy's moves depend on: they change under the same name."""
     found = {name: policy_files(name) for name in policies}
     return {name: files_hash(paths) for name, paths in found.items() if paths}
 

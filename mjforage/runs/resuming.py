@@ -21,9 +21,9 @@ from mjforage.runs.run_info import read_json
 
 CODE = ("versions", "code")
 ACCEPTABLE = (*CODE, "metrics")
-"""Keys whose differences can be accepted: episodes hang on neither name nor number of metrics."""
+"""Keys whose differences can be accepted: episodes depend on neither name nor number of metrics."""
 GROWS = "episodes"
-"""The key whose value may be larger than it was: episodes hang on seed and number alone."""
+"""The key whose value may be larger than it was: episodes depend on seed and number alone."""
 UNCOMPARED = ("mjforage", "python")
 """Versions that are kept to be read: of mjforage the code counts, Python computes no number."""
 Resume = Literal["same", "fresh", "accept-code-change"]

@@ -117,7 +117,7 @@ class RunInfo:
     classes: Mapping[str, str] = field(default_factory=dict)
     """Policy -> package.module:Class, of those that are not ours."""
     weights: Mapping[str, str] = field(default_factory=dict)
-    """Policy -> hash of the files that its moves hang on."""
+    """Policy -> hash of the files that its moves depend on."""
     metrics: tuple[Description, ...] = ()
     """Display of each metric; none in a run made before metrics were listed."""
 

@@ -95,7 +95,7 @@ def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bo
     Parameters
     ----------
     path : the file
-    name : what errors call the map
+    name : name of the map in messages
     water : `dark` where the dark cells are water, of a table those with 0
 
     Raises

@@ -64,7 +64,7 @@ def load_map(
     ----------
     reference : name of a shipped map (``comb_port`` or ``comb-port``) or of a generated harbour
         (``harbour:combs:7``), or path of a map file (see `read_cells`)
-    corner_cutting : whether a diagonal move may pass beside a land cell or between two
+    corner_cutting : True if a diagonal move may pass beside a land cell or between two
     largest_component : make an obstacle of every node outside the largest component
     water : which cells of a file are water (see `read_cells`)
 
@@ -109,7 +109,7 @@ def components(
     Parameters
     ----------
     navigable : (row, column) bool
-    corner_cutting : whether diagonal moves may pass land cells
+    corner_cutting : True if diagonal moves may pass land cells
 
     Returns
     -------
@@ -155,7 +155,7 @@ def check_starts(starts: Starts, navigable: NDArray[np.bool_], owner: str, map_n
     starts : (row, column) of each start, counted from 0
     navigable : (row, column) bool
     owner : whose starts they are, for the message (``scenario published``)
-    map_name : what the message calls the map
+    map_name : name of the map in messages
 
     Raises
     ------
@@ -262,7 +262,7 @@ def reachable_share(
     moves : nodes per decision, straight on
     strict : whether a move is illegal unless all its nodes are free, or ends before the first that
         is not
-    corner_cutting : whether diagonal moves may pass land cells
+    corner_cutting : True if diagonal moves may pass land cells
 
     Raises
     ------

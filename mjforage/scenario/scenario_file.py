@@ -164,7 +164,7 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
 
     Parameters
     ----------
-    where : what errors name first
+    where : start of error messages
 
     Raises
     ------

@@ -75,7 +75,7 @@ def mission_bytes(
     Parameters
     ----------
     episodes : of the batch
-    recorded : whether one of them is recorded for films
+    recorded : True if one of them is recorded for films
     """
     steps = scenario.horizon + 1
     agents = sum(role.count for role in scenario.team.values())

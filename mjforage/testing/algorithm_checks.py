@@ -48,7 +48,7 @@ class AlgorithmTrial:
     scenario, overrides : as of `train`
     settings : as `--learning` has them; `SETTINGS` stand before them
     rounds : how many are played, twice
-    seed : of the run
+    seed : seed of the run
     """
 
     algorithm: str | type[Algorithm[Any]]
@@ -277,7 +277,7 @@ def check_algorithm(
     settings : by name as `--learning` has them, such as `{"warmup": 40}`; choose them so that an
         update comes within `rounds`
     rounds : how many are played before the checkpoint, and after it
-    seed : of the run
+    seed : seed of the run
 
     Raises
     ------

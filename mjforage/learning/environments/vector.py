@@ -48,7 +48,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
         and returns the new episode's first observation, with reward 0), `SAME_STEP` (the new first
         observation comes at once; the last of the old episode is `info["final_obs"][i]`), or
         `DISABLED` (nothing starts again but by `reset(options={"reset_mask": chosen})`)
-    copy : whether every observation is in memory of its own; otherwise the next `step` or `reset`
+    copy : True if every observation is in memory of its own; otherwise the next `step` or `reset`
         may overwrite it, which is quicker
     """
 

@@ -69,8 +69,8 @@ class Algorithm(Generic[Settings]):
     agents : team of `TEAMS` -> its agents
     round : the one under way
     random : source of its draws; a checkpoint keeps its state
-    progress : how far it has come
-    clock : where the time went
+    progress : progress of the run
+    clock : CPU time by part
     """
 
     settings: ClassVar[type[CommonHyperparameters]]

@@ -49,7 +49,7 @@ class Learner:
     online : what each update changes
     target : follows it, and values what comes next
     average : of the online network's weights over the run: what is evaluated and saved
-    updates : how often it has learned
+    updates : number of updates so far
     """
 
     def __init__(

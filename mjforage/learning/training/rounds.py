@@ -26,7 +26,7 @@ class Played(NamedTuple):
 class Round:
     """One episode in every sub-environment (env,), up to its end as an environment has it.
 
-    A mission goes on to the horizon when nobody can move; such decisions are no part of a round.
+    A mission goes on to the horizon when no agent can move; such decisions are no part of a round.
 
     Attributes
     ----------

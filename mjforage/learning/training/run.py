@@ -116,7 +116,7 @@ def train_with(
     device : auto, cpu or cuda
     report : called with every row that is logged, and its table's name; with `CHECKPOINT` and how
         far it had come, if the folder's run goes on, or `FINISHED` if it had come to this end
-    resume : what to do with a run that the folder holds
+    resume : treatment of a run that the folder holds
     """
     _check_ends(hours, updates)
     trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))

@@ -104,8 +104,8 @@ class Metric:
     unit : "" for none
     better : 1 more is better, -1 less is better, 0 neither
     digits : decimals shown
-    compared : whether policies are compared in it, pair by pair
-    drawn : whether its distribution is drawn, where it has no course
+    compared : True if policies are compared in it, pair by pair
+    drawn : True if its distribution is drawn, where it has no course
     course_key, course_label : of the column of `steps.parquet`; as `key` and `label` if empty
     top : end of the course's axis, which then starts at 0; 0 for the largest value; None: free
     """

@@ -127,7 +127,7 @@ class SensingUpdate:
         scans : of the step; what they show is filled in where they are not perfect; episodes that
             are not active do not change
         item_node : (episode, item) node of each item, -1 once removed
-        taken_by : (episode, item) agent that removed it, -1 nobody
+        taken_by : (episode, item) agent that removed it, -1 none
         """
         self._look(
             scans.plain(),

@@ -66,7 +66,7 @@ def collected_in(
     ----------
     vessel : name, or path of a TOML file
     seed : of the noise
-    sensors : what the vessel measures
+    sensors : measurement noise of the vessel
 
     Raises
     ------

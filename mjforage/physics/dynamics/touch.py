@@ -1,4 +1,4 @@
-"""Touches of vessels with quays and each other, and their speeds: boxes in the plane.
+"""Contacts of vessels with quays and each other, and their speeds: boxes in the plane.
 
 Two convex boxes touch unless one of their four axes separates them (separating axis theorem); the
 axis of least overlap is taken as the direction of the contact.
@@ -91,7 +91,7 @@ def closing_speed(
     Parameters
     ----------
     velocity_a, velocity_b : (3,) world axes [m/s], [rad/s]
-    of_a : whether the normal belongs to a side of a: then corners of b touch, else those of a
+    of_a : True if the normal belongs to a side of a: then corners of b touch, else those of a
     """
     deepest, fastest = np.inf, -np.inf
     sign = -1.0 if of_a else 1.0  # towards the other box
@@ -186,7 +186,7 @@ def touches(
     """Contacts of the vessels of one episode with quays, the map's edge and each other.
 
     MuJoCo's contact sensors do not give this: they lose a soft contact and find it again from tick
-    to tick (431 touches begun instead of 140 in 900 s of `port_drive`), and know no speed.
+    to tick (431 contacts begun instead of 140 in 900 s of `port_drive`), and know no speed.
 
     Parameters
     ----------

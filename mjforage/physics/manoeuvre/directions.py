@@ -15,7 +15,7 @@ def parse_flow(text: str, thing: str) -> tuple[float, float]:
     ----------
     text : speed [m/s], then `@`, then the direction it flows to, in degrees counter-clockwise from
         east
-    thing : what errors name, for example `--current`
+    thing : name in error messages, for example `--current`
 
     Raises
     ------

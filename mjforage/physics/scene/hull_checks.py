@@ -17,7 +17,7 @@ def check_hull(part: mujoco.MjSpec, where: str) -> None:
 
     Parameters
     ----------
-    where : what errors begin with
+    where : start of error messages
 
     Raises
     ------

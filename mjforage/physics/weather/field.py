@@ -233,7 +233,7 @@ class Field:
         )
 
     def sheltered(self, xy: NDArray[np.float64]) -> FloatArray:
-        """Share of the mean wind that the lee of land leaves, 1 in the open.
+        """Share of the mean wind that the wind shadow of land leaves, 1 in the open.
 
         Parameters
         ----------

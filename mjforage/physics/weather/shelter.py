@@ -37,7 +37,7 @@ NO_SHELTER = Shelter(np.zeros((2, 2), np.int32), 1.0, 0.0)
 
 
 def shelter_of(graph: NavigationGraph, height_m: float) -> Shelter:
-    """The lees of a map whose land is `height_m` high [m]."""
+    """Wind shadows of a map whose land is `height_m` high [m]."""
     return Shelter(graph.water.framed, graph.pitch_m, CALM * height_m)
 
 

@@ -74,7 +74,7 @@ class Study:
     episodes, seed : the same for all variants, so that episodes can be paired
     options : what the report must know besides
     metrics : `package.module:Class` of metrics to take beside those that are known
-    left_out : who was to play and cannot; no part of what a study is
+    left_out : policies that cannot play a variant; no part of the identity
     """
 
     kind: str
@@ -195,7 +195,7 @@ def run_study(
     workers : processes or cluster that compute
     progress : called with (episodes done, episodes in all)
     begin : called once all is checked, before the first episode
-    resume : what to do with a study that the folder holds
+    resume : treatment of a study that the folder holds
 
     Returns
     -------

@@ -20,7 +20,7 @@ def check_size(rows: int, columns: int, name: str) -> None:
 
     Parameters
     ----------
-    name : what errors call the map
+    name : name of the map in messages
 
     Raises
     ------

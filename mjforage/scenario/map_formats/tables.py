@@ -30,7 +30,7 @@ def read_table(lines: Sequence[str], name: str) -> Levels:
     Parameters
     ----------
     lines : of the file
-    name : what errors call the map
+    name : name of the map in messages
 
     Raises
     ------

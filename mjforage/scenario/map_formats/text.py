@@ -27,7 +27,7 @@ def read_text(path: Path, name: str) -> Levels:
     Parameters
     ----------
     path : the file
-    name : what errors call the map
+    name : name of the map in messages
 
     Raises
     ------

@@ -44,7 +44,7 @@ def check(schema: type[_T], tree: object, where: str, *, remedy: str = "", **giv
     ----------
     schema : a frozen dataclass
     tree : as read from TOML or JSON
-    where : what errors name first; may be empty
+    where : start of error messages; may be empty
     remedy : end of the messages, for files that are not written by hand
     given : fields that are no keys of the file (`NotInFile`)
 

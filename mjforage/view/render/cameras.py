@@ -178,7 +178,7 @@ class Camera:
     Attributes
     ----------
     view : where it is at a simulated time [s]
-    follows : whether it belongs to one vessel
+    follows : True if it belongs to one vessel
     near_m : nearest thing that it sees [m]
     ground_m : side of the square around the followed hull whose water shows wakes; None for all
     steps_per_film_s : decisions per second of film, where no speed is asked for

@@ -28,7 +28,7 @@ class Chart:
     room : width and height [pixel] that a picture may have
     most : count of believed items that is drawn darkest, by default the largest of the episode
     followed : agent that is marked, or None
-    detailed : whether items, trails and numbers of lost scans are drawn
+    detailed : True if items, trails and numbers of lost scans are drawn
     """
 
     def __init__(

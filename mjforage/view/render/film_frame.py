@@ -64,10 +64,10 @@ class FilmFrame:
     Parameters
     ----------
     recordings : one, or two of the same episode side by side
-    pictures : what draws each
+    pictures : drawing of each
     size : width and height of a frame [pixel]
     layout : where everything is
-    drawn : whether the pictures are charts, so that the panel needs none
+    drawn : True if the pictures are charts, so that the panel needs none
     """
 
     def __init__(

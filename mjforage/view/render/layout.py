@@ -73,7 +73,7 @@ def frame_layout(
     episodes : 1 or 2
     shape : width by height of what a picture has to show; None if it fills any picture
     signs : rows that the explanation of signs takes in one column
-    charted : whether the panel has charts
+    charted : True if the panel has charts
     """
     unit = unit_of(width, height)
     column, below = round(_COLUMN * unit), height - round((_STRIP + _HEAD) * unit)

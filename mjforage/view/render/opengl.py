@@ -101,7 +101,7 @@ def _load(name: str, file: str) -> Any:
 
 
 class Canvas:
-    """Draws MuJoCo scenes into arrays. One per process, as drivers hang on several; close it.
+    """Draws MuJoCo scenes into arrays. One per process, as drivers depend on several; close it.
 
     Attributes
     ----------

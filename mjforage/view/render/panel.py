@@ -136,7 +136,7 @@ def paint_signs(
     Parameters
     ----------
     most : see `palette.most_believed`
-    drawn : whether items are dots in a drawing, else bodies with rings
+    drawn : True if items are dots in a drawing, else bodies with rings
     """
     u, one = unit, np.ones(1)
     words = sign_words(recording, most, drawn)

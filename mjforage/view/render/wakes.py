@@ -83,7 +83,7 @@ def lay_rings(
     known : (item,) whether it is discovered
     since_s : (item,) time since it was collected [s], negative before
     scale : how much larger than life items are drawn
-    near : whether the camera is near, where rings may be fine
+    near : True if the camera is near, where rings may be fine
     """
     shown = known & (items[:, 2] > 0.0)
     radius, wide, alpha = (0.30, 0.045, 0.55) if near else (0.27, 0.055, 0.9)

@@ -141,7 +141,7 @@ def every_metric_table(
     ----------
     words : what a difference is
     ends : what both cases are called, whose means stand first; none: P(better) stands last
-    swapped : whether the one that is subtracted comes first
+    swapped : True if the one that is subtracted comes first
     """
     every = [_Line(one, metric) for one in contrasts for metric in metrics]
     lines = [line for line in every if line.defined]

@@ -40,7 +40,7 @@ class Estimate:
     ----------
     value, low, high, n : as of `metrics.Interval`
     p : of the test that the number is 0
-    normal : whether the interval is ± 1.96 SEM, not the bootstrap's
+    normal : True if the interval is ± 1.96 SEM, not the bootstrap's
     """
 
     normal = False

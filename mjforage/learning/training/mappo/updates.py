@@ -81,7 +81,7 @@ class Updates:
     ----------
     actors, critic : what it changes
     norm : mean and spread of the returns, by which values are normalised
-    updates : how often it has learned
+    updates : number of updates so far
     """
 
     def __init__(
@@ -132,7 +132,7 @@ class Updates:
 
         Parameters
         ----------
-        taught : whether actors learn the moves that a teacher has demonstrated, instead of by PPO
+        taught : True if actors learn the moves that a teacher has demonstrated, instead of by PPO
         """
         settings = self.settings
         with one_thread():
