@@ -105,7 +105,7 @@ class Pilot:
         Parameters
         ----------
         models : (vessel,) the fleet, the same in every episode
-        chart : where quays are; None is open water
+        chart : quays; None is open water
         episodes : size of the batch
         control_s : time between two calls of `command` [s]
 

@@ -38,7 +38,7 @@ def predict(
     ----------
     via_x, via_y : point to pass first [m]; NaN for none
     wait_s : time before the vessel moves on, at the via point or, without one, where it is
-    end_x, end_y : where it goes and stays [m]
+    end_x, end_y : end position [m]
     out : (SAMPLES, 4) x, y [m], cosine and sine of the heading, every `SAMPLE_S` from now
     """
     x, y, rate = s.x, s.y, s.rate

@@ -148,7 +148,7 @@ def too_fast(s: VesselState, speed: float) -> bool:
 def most_gain(p: ModelRecord, speed: float, most: float) -> float:
     """Most acceleration [m/s2] of a vessel at a speed that may be `most` [m/s].
 
-    Whoever is faster brakes, and as fast as the limit falls besides: where it is that from which a
+    A faster vessel brakes, and as fast as the limit falls besides: where it is that from which a
     vessel can stop, v_max, by a v / (v_max + a t_r) of the brake a and the reaction time t_r.
     """
     reaction = p.lag_s + REACTION_S
@@ -286,7 +286,7 @@ def steer(s: VesselState, p: ModelRecord, room: float, step_s: float) -> tuple[f
 
     Parameters
     ----------
-    room : how far from the target on each axis midships may go to collect an item [m]
+    room : largest offset of midships from the target on each axis to collect an item [m]
     """
     if s.mode == TRANSIT:
         if meets_item(s, p):

@@ -1,6 +1,6 @@
 """Metrics of sequential cooperation between teams, on plain arrays and an event table.
 
-Nothing here knows boats, graphs or files: any domain where one team finds tasks and another
+Nothing here knows vessels, graphs or files: any domain where one team finds tasks and another
 serves them can be measured. The equations are those of the paper's section "Metrics
 Definition"; statistics over episodes come beside them.
 

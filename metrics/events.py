@@ -1,4 +1,4 @@
-"""The event table: when and by whom each item was discovered and collected."""
+"""The event table: step and agent of each item's discovery and collection."""
 
 from dataclasses import dataclass
 from math import prod

@@ -55,7 +55,7 @@ def bootstrap(
     seed : of the numpy Generator that draws the resamples
     statistic : of the last axis
     strata : (episode,) labels, for instance of maps; each stratum is resampled within itself
-    resamples : how many, at least 1
+    resamples : number, at least 1
     level : coverage of the interval, in (0, 1)
 
     Raises

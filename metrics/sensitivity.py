@@ -207,7 +207,7 @@ def bootstrap_sensitivity(
     seed : of the numpy Generator that draws the resamples
     same_episodes : True if episode i is the same world at every level; then a resample takes
         the same episodes at all levels
-    resamples : how many, at least 1; those without a defined episode at some level are left out
+    resamples : number, at least 1; those without a defined episode at some level are left out
 
     Returns
     -------

@@ -53,7 +53,7 @@ def write_errors(path: Path, *others: type[Exception]) -> Iterator[None]:
 
     Parameters
     ----------
-    path : what is written, for the message
+    path : file to write, for the message
     others : exceptions of the library that writes, beside `OSError`
 
     Raises

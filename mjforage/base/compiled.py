@@ -82,9 +82,9 @@ def _writable(of: Any) -> Any:
 
 
 def _with_read_only(made: Any) -> None:
-    """Let a kernel of ours run on what may only be read by its compilation for all other arrays.
+    """Let a kernel of ours run on read-only arrays by its compilation for writable ones.
 
-    So that what is lent costs no second compilation. Somebody else's kernels are compiled for such
+    So read-only views cost no second compilation. Somebody else's kernels are compiled for such
     arrays, and refused if they write to them.
     """
     compile_for = made._compile_for_args

@@ -51,7 +51,7 @@ def parse_reference(text: str, kind: str) -> Reference:
     Parameters
     ----------
     text : NAME or NAME(OPTION=VALUE, ...)
-    kind : what it refers to, for messages
+    kind : kind of the named part, for messages
 
     Raises
     ------

@@ -60,7 +60,7 @@ class Registry(Generic[T]):
 
     Attributes
     ----------
-    kind : what they are, for messages
+    kind : kind of the parts, for messages
     group : entry points of installed packages that belong to it
     given : arguments that each is called with before its options
     methods : that each class has; what is imported is checked before it is ever called

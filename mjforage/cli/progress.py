@@ -38,8 +38,8 @@ def bar(words: str, unit: str) -> Iterator[Report]:
 
     Parameters
     ----------
-    words : what works, for example "evaluate"
-    unit : what is counted, for example "episodes"
+    words : name of the work, for example "evaluate"
+    unit : counted unit, for example "episodes"
 
     Yields
     ------

@@ -84,7 +84,7 @@ class EpisodeLog(Observer):
     t_discovered, discovered_by, t_collected, collected_by : (episode, item), -1 never and none
     n_items : (episode,); items beyond it are padding
     item_start : (episode, item, 2) initial position (row, column) [node]
-    link : what went over the links, None without; of a batch that is over
+    link : traffic over the links, None without; of a batch that is over
     forecasts : (episode, bin, 4) how they came true, see `mjforage.metrics.calibration`; likewise
     item_node : (episode, T + 1, item) where each was, -1 nowhere; empty without a link
     seen : (open,) rows that the last `see` has written: those not over before it

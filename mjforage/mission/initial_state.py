@@ -168,7 +168,7 @@ def nodes_around(graph: NavigationGraph, nodes: Int32Array, count: int) -> Int32
     Parameters
     ----------
     nodes : (start,) distinct nodes
-    count : how many are wanted; fewer than given cuts nothing off
+    count : number wanted; fewer than given cuts nothing off
 
     Raises
     ------
@@ -234,7 +234,7 @@ def create_initial_state(
     node_mps : speed of a node per decision [m/s]
     starts : (start,) nodes to assign at random, or empty for a random cluster per episode
     keys : (episode,) episode keys
-    walls : of `WALLS`, how items on land are put into the water
+    walls : boundary condition of items on land, of `WALLS`
 
     Raises
     ------

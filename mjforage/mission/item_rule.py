@@ -238,7 +238,7 @@ class ItemRule:
         Parameters
         ----------
         noise : half width of the drift's random part [node/step]
-        walls : of `WALLS`, what becomes of items that drift onto land
+        walls : boundary condition of items that drift onto land, of `WALLS`
         chances : of agents to take an item, see `chances_of`; None: they take all in their node
         """
         self._graph, self._fleet, self._noise = graph, fleet, noise

@@ -157,7 +157,7 @@ def receive(
     Parameters
     ----------
     received : (row, agent) whose scan each owner receives
-    views, radius_number : what an agent sees from a node, see `Task`
+    views, radius_number : view of an agent from a node, see `Task`
     knowledge : changed in the rows of active episodes
     """
     active, step, at, sighted = scans.active, scans.step, scans.agent_node, scans.sighted
@@ -234,7 +234,7 @@ def times_seen(
     Parameters
     ----------
     agent_node : (episode, agent) where all agents are
-    views, radius_number : what an agent sees from a node, see `Task`
+    views, radius_number : view of an agent from a node, see `Task`
     shown : (episode, agent, place) negative where an agent does not scan; see `Scans`
     """
     start, nodes, perfect = views.start, views.nodes, shown.shape[2] == 0

@@ -272,7 +272,7 @@ def check_preferences(
 
     Parameters
     ----------
-    rows_agents : how many rows and agents it must have
+    rows_agents : required number of rows and agents
     who, how : gave it, as an error begins: "policy North: act gave"
 
     Raises

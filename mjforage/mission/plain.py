@@ -1,6 +1,6 @@
 """Observations and truths as kernels need them, which index by their numbers without a scan.
 
-A mission's own are read-only and sound. What somebody else made is converted and checked.
+A mission's own are read-only and sound. Others are converted and checked.
 """
 
 from operator import is_

@@ -35,7 +35,7 @@ def stop_noted(words: str) -> Iterator[Callable[[], bool]]:
 
     Parameters
     ----------
-    words : what is logged as a warning when it comes
+    words : warning that is logged when it comes
 
     Yields
     ------

@@ -54,7 +54,7 @@ def read_parquet(
     ----------
     path, remedy : as for `read_schema`
     columns : all of them if None
-    rows : which rows; all of them if None
+    rows : rows to read; all of them if None
 
     Raises
     ------

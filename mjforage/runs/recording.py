@@ -54,7 +54,7 @@ def record(
     ----------
     setup : scenario and map
     world, policy : names
-    seed, episode : which episode
+    seed, episode : seed of the run, number of the episode
     observers : called at every step besides
 
     Raises

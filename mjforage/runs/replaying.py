@@ -34,7 +34,7 @@ def recording_of_run(
     episode: int,
     observers: tuple[Observer, ...] = (),
 ) -> Recording:
-    """A logged episode: as it was recorded, or played again if it was not, or somebody observes.
+    """A logged episode: as it was recorded, or played again if it was not, or has observers.
 
     The folder may be anybody's: of the policies that it names only those are played that ship,
     that an installed package brings, or whose code the user has named (`registry.trust`).

@@ -88,7 +88,7 @@ def load_map(
 def grid_of(
     cells: NDArray[np.bool_], name: str, corner_cutting: bool, largest_component: bool
 ) -> GridMap:
-    """A map of cells (row, column) that somebody has made; arguments and errors as `load_map`."""
+    """A map of given cells (row, column); arguments and errors as `load_map`."""
     if not cells.any():
         raise UserError(
             f"map {name}: all {cells.size} cells are obstacles (0 or dark); mark water with 1, "

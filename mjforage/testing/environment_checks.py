@@ -38,7 +38,7 @@ class EnvironmentTrial:
     env : id for `gymnasium.make`, or a function that makes an environment of Gymnasium or a
         `ParallelEnv` of PettingZoo
     options : of `gymnasium.make`, or of the function
-    steps : as long as an episode is followed
+    steps : steps of an episode that are checked
     seed : of the first episode
     """
 
@@ -286,7 +286,7 @@ def check_environment(
     ----------
     env : id for `gymnasium.make`, or a function that makes an environment of Gymnasium or a
         `ParallelEnv` of PettingZoo
-    steps : as long as an episode is followed
+    steps : steps of an episode that are checked
     seed : of the first episode
     options : of `gymnasium.make`, or of the function
 

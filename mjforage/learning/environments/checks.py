@@ -37,7 +37,7 @@ def checked_moves(
     ----------
     actions : what was given
     shape : that it has to have
-    name : what it is called in a message
+    name : name in messages
     """
     remedy = "give whole numbers, 0-7 for the compass from north clockwise or 8 to stay"
     moves = _array(actions, shape, name, remedy)

@@ -31,7 +31,7 @@ STEP_REMEDY = "its motion will not be that of the hull; such drag needs steps of
 REWARD = {"progress": 1.0, "reached": 5.0, "time": -0.1, "effort": -0.05}
 """Term -> weight: metres nearer to the waypoint, waypoints reached, steps, mean square action.
 
-Full astern is an action of -1, as costly as full ahead, whoever steers.
+Full astern is an action of -1, as costly as full ahead, for any controller.
 """
 
 SCALES = np.array(

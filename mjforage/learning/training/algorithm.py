@@ -60,11 +60,11 @@ class Algorithm(Generic[Settings]):
     ----------
     settings : class of its hyperparameters, a frozen dataclass on `CommonHyperparameters`
     weights_kind : of the weight files that it writes, in `networks.weights.KINDS`
-    learned : what each of its updates tells, by name; rows have the means
+    learned : losses and other figures of its updates, by name; rows have the means
     hyperparameters, seed, device : as given
     setup : of the first scenario
     tasks : the scenarios; rounds take them in turn
-    evaluation : on what the networks are judged; the first scenario, until `evaluate_on`
+    evaluation : held-out episodes; of the first scenario, until `evaluate_on`
     shapes : of one agent's pictures
     agents : team of `TEAMS` -> its agents
     round : the one under way
@@ -216,7 +216,7 @@ class Algorithm(Generic[Settings]):
         Parameters
         ----------
         returns : (env, agent) of its episodes
-        learned : what each update tells
+        learned : losses and other figures of each update
         """
         unnamed = sorted({name for entry in learned for name in entry} - set(self.learned))
         if unnamed:

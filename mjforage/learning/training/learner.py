@@ -46,7 +46,7 @@ class Learner:
 
     Attributes
     ----------
-    online : what each update changes
+    online : network that each update changes
     target : follows it, and values what comes next
     average : of the online network's weights over the run: what is evaluated and saved
     updates : number of updates so far

@@ -241,7 +241,7 @@ def pass_on(
     inbox: Inbox,
     traffic: Traffic,
 ) -> None:
-    """Exchange scans over the links of a decision, after everybody's own scan of it.
+    """Exchange scans over the links of a decision, after every agent's own scan of it.
 
     What arrives at once is passed on in the next decision at the earliest: all send what they had
     received before.

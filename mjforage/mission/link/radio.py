@@ -109,7 +109,7 @@ def _update(net: Net, knowledge: Knowledge, scans: Scans) -> None:
 class Radio:
     """One owner per agent, which knows the scans that it made or received, and nothing else.
 
-    Where everybody starts is known to all.
+    The start nodes are known to all.
     """
 
     uses: Set[str] = frozenset({"relays"})

@@ -70,7 +70,7 @@ class Lost(Total):
 
 @metric
 class Dropped(Total):
-    """Scans that somebody in reach lacked and that a sender's budget did not suffice for, in every
+    """Scans that an agent in reach lacked and that exceeded a sender's budget, in every
     decision anew.
     """
 

@@ -23,7 +23,7 @@ def draw(
     Parameters
     ----------
     quays : of `QUAYS`, beside each item
-    count : how many are drawn; those whose vessel would touch a quay or an item are left out
+    count : number drawn; those whose vessel would touch a quay or an item are left out
     """
     sides = np.zeros((count, 2))
     for axis in range(QUAYS.index(quays)):

@@ -2,7 +2,7 @@
 
 MuJoCo gives native callbacks two struct addresses and no header to read them with. The
 declarations of its structs ship with the Python package (`mujoco.introspect`); ctypes lays them out
-as the C compiler did. Every offset is then held against a toy model: the member must have the
+as the C compiler did. Every offset is then checked on a toy model: the member must have the
 address of the array that Python sees, or the number. The self-test proves the result.
 """
 

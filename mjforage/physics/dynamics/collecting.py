@@ -201,7 +201,7 @@ def seek(
     pose : (episode, vessel, 3)
     xy : (episode, vessel, item, 2) where each vessel takes items to be, NaN if it knows none [m]
     now_s : (episode,) [s]
-    state : `pickup` is written: how collecting in the target node goes
+    state : `pickup` is written: result of collecting in the target node
     goal : written
     """
     goal.xy[:], goal.next[:], goal.look[:] = np.nan, np.nan, False

@@ -91,7 +91,7 @@ def closing_speed(
     Parameters
     ----------
     velocity_a, velocity_b : (3,) world axes [m/s], [rad/s]
-    of_a : True if the normal belongs to a side of a: then corners of b touch, else those of a
+    of_a : True if the normal belongs to a side of a: corners of b touch it, else those of a
     """
     deepest, fastest = np.inf, -np.inf
     sign = -1.0 if of_a else 1.0  # towards the other box

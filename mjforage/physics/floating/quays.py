@@ -80,7 +80,7 @@ def push(quays: Quays, depth_m: float, speed: float, free: float, mass_kg: float
 
     Parameters
     ----------
-    depth_m : how deep the item is in the quay
+    depth_m : depth of the item in the quay
     speed, free : its velocity [m/s] and its acceleration without the contact [m/s2], away from it
     """
     if depth_m <= 0.0:
@@ -109,7 +109,7 @@ def beside_quays(
 
     Parameters
     ----------
-    x, y, vx, vy : where it is [m] and its velocity over ground [m/s]
+    x, y, vx, vy : its position [m] and velocity over ground [m/s]
     ax, ay : its acceleration without contacts [m/s2]
     """
     land, pitch, radius = quays.land, quays.pitch_m, quays.radius_m

@@ -22,7 +22,7 @@ def zigzag_figures(
 
     Returns
     -------
-    overshoots : how far each swing went beyond the angle [rad]; a swing that had not come back to
+    overshoots : angle of each swing beyond the ordered one [rad]; a swing that had not come back to
         a heading of 0 by the end does not count
     period : mean time between passing a heading of 0 in the same direction [s]; nan if it did not
         happen twice

@@ -1,4 +1,4 @@
-"""The MJCF part of a hull: it may look like anything, but it has to move and touch as ours do."""
+"""MJCF part of a hull: of any appearance, but with the joints and contacts of ours."""
 
 import mujoco
 import numpy as np

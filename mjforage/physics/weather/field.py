@@ -138,7 +138,7 @@ class Field:
 
     Attributes
     ----------
-    settings : what was asked for
+    settings : the requested weather
     mean_wind_mps : (episode, 2) wind without gusts [m/s]
     mean_current_mps : (episode, 2) constant part of the free stream [m/s]
     """
@@ -288,7 +288,7 @@ class Field:
         Parameters
         ----------
         t_s : [s], one for all or (episode,)
-        items : how many, from item 0
+        items : number of items, from item 0
 
         Returns
         -------

@@ -95,7 +95,7 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
     Parameters
     ----------
     graph : the map; land cells are quays
-    streams, circulation : which are wanted; the others are zero
+    streams, circulation : parts to compute; the others are zero
     """
     fine = FINEST
     while fine > 2 and len(graph) * fine**2 > _MANY:

@@ -61,7 +61,7 @@ def stream_velocity(
     Parameters
     ----------
     patches, spacing_m, corner_m : as in `flow.Flow`
-    east, north, turn : how much of each stream function [m/s]
+    east, north, turn : factor of each stream function [m/s]
     """
     p, q = (x - corner_m) / spacing_m, (y - corner_m) / spacing_m
     if math.isnan(p + q):

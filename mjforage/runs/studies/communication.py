@@ -134,7 +134,7 @@ def ideal(scenario: Scenario) -> Scenario:
 
 
 def _with_relay(scenario: Scenario) -> Scenario:
-    """The scenario with low antennas, and a boat that stays at a start."""
+    """The scenario with low antennas, and a vessel that stays at a start."""
     team = {name: replace(role, antenna_m=LOW_M) for name, role in scenario.team.items()}
     order = scenario.rules.order
     rules = replace(scenario.rules, order=(*order, RELAY) if order else ())

@@ -177,7 +177,7 @@ class Camera:
 
     Attributes
     ----------
-    view : where it is at a simulated time [s]
+    view : position at a simulated time [s]
     follows : True if it belongs to one vessel
     near_m : nearest thing that it sees [m]
     ground_m : side of the square around the followed hull whose water shows wakes; None for all

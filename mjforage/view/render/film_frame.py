@@ -66,7 +66,7 @@ class FilmFrame:
     recordings : one, or two of the same episode side by side
     pictures : drawing of each
     size : width and height of a frame [pixel]
-    layout : where everything is
+    layout : places of all parts
     drawn : True if the pictures are charts, so that the panel needs none
     """
 

@@ -35,7 +35,7 @@ class PanelState:
     Attributes
     ----------
     notes : facts that the picture does not show
-    north_rad : where north is in the picture, clockwise from up
+    north_rad : direction of north in the picture, clockwise from up
     wind_mps : (2,) towards east and north, 0 in still air
     """
 

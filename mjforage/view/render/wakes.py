@@ -48,7 +48,7 @@ def lay_vessel(
     Parameters
     ----------
     colour : of its trail and of the patch that it lies on; None for neither, but a shadow
-    trail_s : how far back the trail reaches [s]
+    trail_s : duration of the trail [s]
     """
     x, y, yaw = track.way(agent, np.array([time_s]))[0]
     length, beam = scale * vessel.length_m, scale * vessel.beam_m
@@ -82,7 +82,7 @@ def lay_rings(
     items : (item, 3) x, y [m] and share that is there
     known : (item,) whether it is discovered
     since_s : (item,) time since it was collected [s], negative before
-    scale : how much larger than life items are drawn
+    scale : scale of drawn items, 1 for life size
     near : True if the camera is near, where rings may be fine
     """
     shown = known & (items[:, 2] > 0.0)

@@ -26,7 +26,7 @@ def write_report(
     Parameters
     ----------
     wanted : formats besides those
-    policies : what to show; none for all, or the best and the worst of very many
+    policies : policies to show; none for all, or the best and the worst of very many
 
     Returns
     -------

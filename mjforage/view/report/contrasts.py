@@ -110,8 +110,8 @@ def differences_table(
 
     Parameters
     ----------
-    words : what a difference is
-    head : what the heads of rows are
+    words : name of a difference
+    head : head of the column of row names
     """
     found = [{metric: one.gap(metric) for metric in metrics} for one in contrasts]
     metrics = [m for m in metrics if any(gaps[m].n for gaps in found)] or metrics
@@ -139,7 +139,7 @@ def every_metric_table(
 
     Parameters
     ----------
-    words : what a difference is
+    words : name of a difference
     ends : what both cases are called, whose means stand first; none: P(better) stands last
     swapped : True if the one that is subtracted comes first
     """

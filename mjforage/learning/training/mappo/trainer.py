@@ -41,7 +41,7 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
     Attributes
     ----------
     actors : team of `TEAMS` -> its network, which ships
-    updates : what learns
+    updates : the learner
     """
 
     settings = MappoHyperparameters

@@ -79,7 +79,7 @@ class Updates:
 
     Attributes
     ----------
-    actors, critic : what it changes
+    actors, critic : networks that it changes
     norm : mean and spread of the returns, by which values are normalised
     updates : number of updates so far
     """
