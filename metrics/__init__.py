@@ -23,8 +23,8 @@ Definition"; statistics over episodes come beside them.
 | forecasts: Brier score and skill | `brier`, `brier_skill`, `base_rate` | |
 | forecasts: their calibration | `reliability`, `resolution`, `calibration_error` | |
 | age of information, of positions | `age_of_information`, `position_age` | |
-| maps of several holders | `unlikeness` | |
-| who is linked, how soon news is there | `contact_share`, `handover` | |
+| maps of several owners | `unlikeness` | |
+| contacts, delay of news | `contact_share`, `handover` | |
 | Cost of information | `cost_of_information` | |
 | mean, IQM | `mean`, `iqm`, `count` | |
 | standard error | `sem`, `stratified_sem`, `half_width_95` | tables (1.96 SEM) |

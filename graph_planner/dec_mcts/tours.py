@@ -90,7 +90,7 @@ def gain_of(first: float, amount: float, there: float, worth: float, room: float
 
     Parameters
     ----------
-    first, amount : worth of an item when another comes first, 0 if nobody does, and what it takes
+    first, amount : worth of an item when another comes first, 0 if none does, and what it takes
     there : items at the stop; room : items that can be taken
     """
     if worth <= first:
@@ -142,7 +142,7 @@ def left_over(
     visited: NDArray[np.bool_],
     claims: Claims,
 ) -> float:
-    """Worth of the stops not visited, by how much sooner one who ends there could meet them."""
+    """Worth of the stops not visited, by how much sooner a path that ends there could meet them."""
     value, pace, lasts = 0.0, -np.log(effort.discount), legs.lasts[f]
     weight, ways, first, later = legs.weight, _ways_from(legs, f, at), claims.worth, claims.later
     for stop in range(visited.size):

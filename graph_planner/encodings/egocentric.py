@@ -101,7 +101,7 @@ def _paint_global_maps(
 ) -> None:
     """The whole map of each agent (agent, channel, COARSE^2), of which the first has four channels.
 
-    The others get a copy of these; the last three are who is where.
+    The others get a copy of these; the last three are the places of the agents.
     """
     agents, channels, cells = global_map.shape
     for a in range(agents):

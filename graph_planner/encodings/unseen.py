@@ -66,7 +66,7 @@ def list_nodes(
     """Fill the lists of `Unseen`; how many unseen nodes there are, and how many on their edge.
 
     A shortest way from a seen node to the nearest unseen one leads over seen nodes only, so it ends
-    on the edge: who asks for that distance need not look at the others.
+    on the edge: for that distance the others do not matter.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@ Foragers bid on nodes with known items by what the cheapest insertion into their
 Koenig et al., "The Power of Sequential Single-Item Auctions for Agent Coordination", AAAI 2006.
 Scouts bid on frontiers, the borders of water seen lately and of water that is unseen or long
 unseen: B. Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997. Foragers
-that win no item share out the places that the scouts go to. Everybody bids again at every decision.
+that win no item share out the places that the scouts go to. All agents bid again at every decision.
 """
 
 from typing import NamedTuple

@@ -82,7 +82,7 @@ def _passed(
 
 
 class TrackingTeam:
-    """Beliefs and preferences of a batch of rows; foragers' goals are somebody else's.
+    """Beliefs and preferences of a batch of rows; foragers' goals come from the policy.
 
     Attributes
     ----------

@@ -78,7 +78,7 @@ def _words(error: BaseException, arguments: Sequence[str]) -> str:
 
 
 def _of_the_system(error: BaseException) -> OSError | None:
-    """An error of a file that is nobody's in particular, such as a cache, or the one on which a
+    """An error of a file that no command names, such as a cache, or the one on which a
     library stumbled.
     """
     if isinstance(error, OSError):

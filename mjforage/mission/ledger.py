@@ -83,7 +83,7 @@ def credit(
 
     Parameters
     ----------
-    knowledge : of one who has received all scans of this step, one row per episode
+    knowledge : common knowledge, with all scans of this step, one row per episode
     in_view : (node,) memory, all False before and after
     found : (item,) memory
     """

@@ -273,7 +273,7 @@ def check_preferences(
     Parameters
     ----------
     rows_agents : required number of rows and agents
-    who, how : gave it, as an error begins: "policy North: act gave"
+    who, how : source of the array, as an error begins: "policy North: act gave"
 
     Raises
     ------
@@ -329,7 +329,7 @@ class Resolver:
         step : (episode,) decision number, 1 for the first
         keys : (episode,) episode keys
         owner_of : (agent,) by whose belief each agent acts; absent: one owner for all
-        who : prefers so, for messages
+        who : name of the policy, for messages
 
         Raises
         ------

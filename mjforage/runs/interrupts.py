@@ -63,7 +63,7 @@ def stop_noted(words: str) -> Iterator[Callable[[], bool]]:
 def start_quiet_tracker() -> None:
     """Start the process that cleans up after killed workers, without its warnings.
 
-    It would say that a folder was gone already, which depends on who came first.
+    It would say that a folder was gone already, depending on the order of removal.
     """
     sys.warnoptions.append(_NO_WARNING)  # which a new interpreter inherits
     try:

@@ -19,7 +19,7 @@ def _belief_changed(
     after: NDArray[np.int16],
     out: Amounts,
 ) -> None:
-    """Sum of the changes (episode, node) in view, by agent, each shared by all who have it."""
+    """Sum of the changes (episode, node) in view, by agent, each shared by all that see it."""
     start, nodes = views.start, views.nodes
     viewers = np.zeros(after.shape[1], np.int64)
     for e in range(agent_node.shape[0]):
