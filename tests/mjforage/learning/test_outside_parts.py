@@ -186,10 +186,12 @@ def test_a_models_encoder_is_part_of_the_run(folder: Path) -> None:
     setup = Setup.of(load_scenario("comb-port", SHORT))
     evaluate(setup, ["own_model:Late"], folder / "run", episodes=1)
     code = json.loads(_text(folder / "run"))["code"]
-    assert {"own_model.py", "own_encoder.py"} <= set(code) and "own_term.py" not in code
+    assert {"own_model", "own_encoder"} <= set(code) and "own_term" not in code
     forget()
     (folder / "own_encoder.py").write_text(ENCODER + "\n# edited\n")
-    with pytest.raises(UserError, match=r"another run: own_encoder.py differs; give --accept-code"):
+    with pytest.raises(
+        UserError, match=r"another run: code.own_encoder is .* here; give --accept-code"
+    ):
         evaluate(setup, ["own_model:Late"], folder / "run", episodes=1)
 
 
@@ -208,12 +210,14 @@ def test_training_takes_them_and_minds_their_source(folder: Path) -> None:
     info = json.loads((folder / "run" / "training.json").read_text())
     assert info["hyperparameters"]["observation"] == CLOCK
     assert info["hyperparameters"]["reward"][SOUTH] == 0.5
-    assert {"own_encoder.py", "own_term.py"} <= set(info["code"])
+    assert {"own_encoder", "own_term"} <= set(info["code"])
     words = {"own_encoder": ENCODER, "own_term": TERM}
     for name, source in words.items():
         forget()
         (folder / f"{name}.py").write_text(source + "\n# edited\n")
-        with pytest.raises(UserError, match=rf"another training: {name}.py differs; give --accept"):
+        with pytest.raises(
+            UserError, match=rf"another training: code.{name} is .* here; give --accept"
+        ):
             trained(folder / "run", 2)
         (folder / f"{name}.py").write_text(source)
     forget()
@@ -228,7 +232,7 @@ def test_weights_name_their_encoder(folder: Path) -> None:
     assert read_header(weights).encoding == CLOCK
     setup = Setup.of(load_scenario("comb-port", SHORT))
     evaluate(setup, ["mine"], folder / "play", episodes=1)
-    assert "own_encoder.py" in json.loads(_text(folder / "play"))["code"]
+    assert "own_encoder" in json.loads(_text(folder / "play"))["code"]
     forget()
     (folder / "own_encoder.py").rename(folder / "elsewhere.txt")
     with pytest.raises(UserError, match=r"mine.safetensors: observation own_encoder:.*no module"):

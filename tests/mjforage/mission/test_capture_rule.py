@@ -231,7 +231,7 @@ def test_a_scenario_gives_its_collectors_the_chances_of_their_vessels() -> None:
     [
         ("physics.vessels.foragers=otter", "mjforage calibrate otter"),
         ("period_s=20", "vessel forager was calibrated for decisions of 10 s; set period_s=10"),
-        ("rules.capture=sure", "rules.capture = 'sure'; choose certain, calibrated"),
+        ("rules.capture=sure", "rules.capture = 'sure' should be 'certain' or 'calibrated'"),
     ],
 )
 def test_what_cannot_be_calibrated_is_named(override: str, words: str) -> None:

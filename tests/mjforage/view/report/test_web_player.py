@@ -57,7 +57,9 @@ def test_hulls_are_as_long_as_those_that_ran(make_run: MakeRun) -> None:
     assert (lengths["scouts_0"], lengths["foragers_0"]) == (3.5, 2.0)
     run["hulls"]["vessels"]["scout"] = {"length_m": "long"}
     (folder / "run.json").write_text(json.dumps(run))
-    with pytest.raises(UserError, match=r"hulls.vessels.scout.length_m = 'long', expected a n"):
+    with pytest.raises(
+        UserError, match=r"hulls.vessels.scout.length_m = 'long' should be a valid n"
+    ):
         shown(folder)
 
 
