@@ -84,18 +84,18 @@ class Connectivity:
 
     def note(self, seen: Observation, e: int) -> None:
         """Note the agents from which scans have arrived."""
-        holder = int(seen.owner[e])
-        if holder == NOBODY or self.always:
+        owner = int(seen.owner[e])
+        if owner == NOBODY or self.always:
             return
-        here = int(seen.agent_node[e, holder])
-        others = self._scouts if holder in self._collectors else self._collectors
+        here = int(seen.agent_node[e, owner])
+        others = self._scouts if owner in self._collectors else self._collectors
         if self._home[e] == NOBODY or self._silence(seen, e, others) <= self._slack:
             self._home[e] = here
 
     def _silence(self, seen: Observation, e: int, others: NDArray[np.int64]) -> float:
         """Decisions since the newest scan received from some agents, inf if there are none."""
-        heard: NDArray[np.int32] = seen.agent_seen[e][others]
-        return float(seen.step[e] - 1 - heard.max()) if heard.size else np.inf
+        contacts: NDArray[np.int32] = seen.agent_seen[e][others]
+        return float(seen.step[e] - 1 - contacts.max()) if contacts.size else np.inf
 
     def waits(self, seen: Observation, e: int) -> int:
         """Node where a forager without items waits for news; `NOBODY` if it need not.
@@ -137,13 +137,13 @@ class Connectivity:
         ----------
         ways : of the relay
         """
-        holder, rows, cols = int(seen.owner[e]), self._graph.rows, self._graph.cols
-        if not (self._relay and self._relays[holder] and self.reach > 0.0):
+        owner, rows, cols = int(seen.owner[e]), self._graph.rows, self._graph.cols
+        if not (self._relay and self._relays[owner] and self.reach > 0.0):
             return NOBODY
-        others = np.delete(seen.agent_node[e], holder)
+        others = np.delete(seen.agent_node[e], owner)
         away = np.hypot(rows[:, None] - rows[others], cols[:, None] - cols[others])
         beyond = np.maximum(0.0, away - WITHIN * self.reach)
-        here = seen.agent_node[e, holder]
+        here = seen.agent_node[e, owner]
         way = self._graph.distances_from(np.array([here], np.int32))
         node = int(np.argmin((beyond**2).sum(axis=1) + WAY * way))
         return self._reached(ways, int(here), node)[0]
@@ -156,36 +156,38 @@ class Connectivity:
         born : (track,) steps in which the items that it knows of were first seen
         ways : of the scout
         """
-        holder, now = int(seen.owner[e]), int(seen.step[e]) - 1
+        owner, now = int(seen.owner[e]), int(seen.step[e]) - 1
         if not self._report or self.reach <= 0.0 or not born.size:
             return NOBODY
-        here, target, least = int(seen.agent_node[e, holder]), NOBODY, np.inf
-        if self._relays[holder]:
+        here, target, least = int(seen.agent_node[e, owner]), NOBODY, np.inf
+        if self._relays[owner]:
             return NOBODY
         for other in self._collectors.tolist():
-            told = int(seen.agent_seen[e, other])
-            news = int((born > told).sum())
-            if now - told <= self._slack or not news:
+            contact_step = int(seen.agent_seen[e, other])
+            news = int((born > contact_step).sum())
+            if now - contact_step <= self._slack or not news:
                 continue
-            node = self._place(e, other, told, int(seen.agent_node[e, other]), here, holder)
+            node = self._place(e, other, contact_step, int(seen.agent_node[e, other]), here, owner)
             if node == NOBODY:
                 continue
             node, way = self._reached(ways, here, node)
-            busy = (born.size - news) / PER_DECISION - (now - told)
+            busy = (born.size - news) / PER_DECISION - (now - contact_step)
             if busy <= way < least:
                 target, least = node, way
         return target
 
-    def _place(self, e: int, other: int, told: int, last: int, here: int, holder: int) -> int:
-        """Likely node of an agent last known in node `last` at step `told`: there, then at
+    def _place(
+        self, e: int, other: int, contact_step: int, last: int, here: int, owner: int
+    ) -> int:
+        """Likely node of an agent last known in node `last` at step `contact_step`: there, then at
         the meeting place; `NOBODY` if it is at neither.
         """
         for missed, node in zip(self._missed, (last, self._meeting), strict=True):
-            if node == NOBODY or missed[e, other] == told:
+            if node == NOBODY or missed[e, other] == contact_step:
                 continue
-            if not self._is_near(here, node, int(self._moves[holder])):
+            if not self._is_near(here, node, int(self._moves[owner])):
                 return node
-            missed[e, other] = told
+            missed[e, other] = contact_step
         return NOBODY
 
     def _reached(self, ways: Ways, here: int, node: int) -> tuple[int, float]:

@@ -91,17 +91,17 @@ class BeliefPlanner:
         sighted = self.beliefs.spots.number[e] > 0
         self._target_values.list_items(e, int(seen.step[e]) - 1, self._foragers.items)
         room, energy, busy = seen.room_left[e], seen.energy_left[e], False
-        holder = int(seen.owner[e])  # whose move alone counts, unless it is nobody's
-        if holder == NOBODY or self._task.fleet.collects[holder]:
+        owner = int(seen.owner[e])  # whose move alone counts, unless it is nobody's
+        if owner == NOBODY or self._task.fleet.collects[owner]:
             drift = self.beliefs.wind.mean[e : e + 1]
             busy = self._foragers.send(at, yaw, drift, room, energy, preferences) > 0
             if not busy:
                 self._wait(at, e, sighted, preferences)
             self._foragers.hold(at, room, energy, preferences)
-        looks = holder == NOBODY or self._lone or not self._task.fleet.collects[holder]
+        looks = owner == NOBODY or self._lone or not self._task.fleet.collects[owner]
         if looks and not (self._lone and busy):
             self._look(seen, e, sighted, preferences)
-        if holder != NOBODY and not self._connectivity.always:
+        if owner != NOBODY and not self._connectivity.always:
             self._stay_connected(seen, e, busy)
 
     def _look(

@@ -47,7 +47,7 @@ def plan_turn(
     forager: int,
     tree: Tree,
     plans: Plans,
-    heard: NDArray[np.float64],
+    follows: NDArray[np.float64],
     turn: int,
     key: np.uint64,
     step: int,
@@ -56,14 +56,14 @@ def plan_turn(
     state = begin(key, _TURNS + turn * legs.kind.size + forager, step)
     claims = claims_of(legs.weight.size)
     for s in range(effort.simulations):
-        sample_claims(effort, legs, plans, forager, heard, state, claims)
+        sample_claims(effort, legs, plans, forager, follows, state, claims)
         now = turn * effort.simulations + s
         simulate_tour(effort, legs, forager, tree, claims, now, state)
     take_candidates(plans, forager, tree)
     n = plans.number[forager]
     value = np.zeros(n)
     for _ in range(effort.samples):
-        sample_claims(effort, legs, plans, forager, heard, state, claims)
+        sample_claims(effort, legs, plans, forager, follows, state, claims)
         for c in range(n):
             plan = plans.step[forager, c, : plans.length[forager, c]]
             value[c] += tour_value(effort, legs, forager, plan, claims) / effort.samples
@@ -72,13 +72,13 @@ def plan_turn(
 
 @kernel
 def search_tours(
-    effort: Effort, legs: Legs, heard: NDArray[np.float64], key: np.uint64, step: int
+    effort: Effort, legs: Legs, follows: NDArray[np.float64], key: np.uint64, step: int
 ) -> NDArray[np.int64]:
     """The stop that each forager goes to first (forager,), `NOWHERE` where it has no plan.
 
     Parameters
     ----------
-    heard : (forager,) chance that each follows its known plan
+    follows : (forager,) chance that each follows its known plan
     key, step : of the draws
     """
     foragers, n = legs.first.shape
@@ -88,7 +88,7 @@ def search_tours(
     trees = [tree_of(nodes, longest) for _ in range(foragers)]
     for turn in range(effort.rounds):
         for f in range(foragers):
-            plan_turn(effort, legs, f, trees[f], plans, heard, turn, key, step)
+            plan_turn(effort, legs, f, trees[f], plans, follows, turn, key, step)
     target = np.full(foragers, NOWHERE, np.int64)
     for f in range(foragers):
         if plans.number[f]:
@@ -112,7 +112,7 @@ def _plan_tours(
     scratch: Scratch,
     preferences: NDArray[np.float64],
     effort: Effort,
-    heard: NDArray[np.float64],
+    follows: NDArray[np.float64],
     key: np.uint64,
     step: int,
 ) -> int:
@@ -123,7 +123,7 @@ def _plan_tours(
     n = legs.weight.size
     if n == 0 or able.agents.size == 0:
         return 0
-    target = search_tours(effort, legs, heard[able.agents], key, step)
+    target = search_tours(effort, legs, follows[able.agents], key, step)
     follow_routes(*about, legs.first, target, scratch, preferences)
     return int(n)
 
@@ -161,7 +161,7 @@ class TreeForaging(Foraging):
             self._scratch,
             preferences,
             self._search,
-            context.heard,
+            context.follows,
             context.key,
             context.step,
         )

@@ -54,7 +54,7 @@ def plan_turn(
     most: float,
     tree: Tree,
     plans: Plans,
-    heard: NDArray[np.float64],
+    follows: NDArray[np.float64],
     sights: Sights,
     turn: int,
     key: np.uint64,
@@ -63,14 +63,14 @@ def plan_turn(
     """One agent's turn in a round: its tree grows, and its distribution with it."""
     state = begin(key, _TURNS + turn * scouts.kind.size + scout, step)
     for s in range(effort.simulations):
-        sample_sights(effort, scouts, plans, scout, heard, state, sights)
+        sample_sights(effort, scouts, plans, scout, follows, state, sights)
         now = turn * effort.simulations + s
         simulate_sweep(effort, scouts, scout, most, tree, sights, now, state)
     take_candidates(plans, scout, tree)
     n = plans.number[scout]
     value = np.zeros(n)
     for _ in range(effort.samples):
-        sample_sights(effort, scouts, plans, scout, heard, state, sights)
+        sample_sights(effort, scouts, plans, scout, follows, state, sights)
         for c in range(n):
             plan = plans.step[scout, c, : plans.length[scout, c]]
             value[c] += sweep_value(effort, scouts, scout, plan, sights) / effort.samples
@@ -81,7 +81,7 @@ def plan_turn(
 def search_sweeps(
     effort: Effort,
     scouts: Scouts,
-    heard: NDArray[np.float64],
+    follows: NDArray[np.float64],
     sights: Sights,
     key: np.uint64,
     step: int,
@@ -91,7 +91,7 @@ def search_sweeps(
 
     Parameters
     ----------
-    heard : (scout,) chance that each follows its known plan
+    follows : (scout,) chance that each follows its known plan
     key, step : of the draws
     """
     n = scouts.kind.size
@@ -106,7 +106,7 @@ def search_sweeps(
     for turn in range(effort.rounds):
         for s in range(n):
             shows = max(LEAST_MASS, most[scouts.kind[s]])
-            plan_turn(effort, scouts, s, shows, trees[s], plans, heard, sights, turn, key, step)
+            plan_turn(effort, scouts, s, shows, trees[s], plans, follows, sights, turn, key, step)
     for s in range(n):
         for move in range(9):
             legal = scouts.ends[scouts.kind[s], scouts.at[s], move] >= 0
@@ -159,6 +159,6 @@ class TreeScouting(Scouting):
         at = agent_node[self.agents]
         scouts = Scouts(self._kind, at, self._ends_of, kinds, mass, np.zeros(marks))
         context, mine = self._context, np.empty((at.size, 9))
-        heard = context.heard[self.agents]
-        search_sweeps(self._search, scouts, heard, sights, context.key, context.step, mine)
+        follows = context.follows[self.agents]
+        search_sweeps(self._search, scouts, follows, sights, context.key, context.step, mine)
         preferences[self.agents] = mine

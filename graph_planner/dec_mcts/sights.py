@@ -69,7 +69,7 @@ def sample_sights(
     scouts: Scouts,
     plans: Plans,
     scout: int,
-    heard: NDArray[np.float64],
+    follows: NDArray[np.float64],
     state: UInt64Array,
     sights: Sights,
 ) -> None:
@@ -77,7 +77,7 @@ def sample_sights(
 
     Parameters
     ----------
-    heard : (scout,) chance that each follows its known plan
+    follows : (scout,) chance that each follows its known plan
     sights : filled
     """
     sights.token[0] += 1
@@ -85,7 +85,7 @@ def sample_sights(
     left, elsewhere, mass = sights.left, sights.elsewhere, scouts.mass
     left[:], elsewhere[:] = scouts.total, 0.0
     for g in range(scouts.kind.size):
-        if g == scout or draw(state) >= heard[g]:
+        if g == scout or draw(state) >= follows[g]:
             continue
         cover, c = scouts.covers[scouts.kind[g]], drawn_plan(plans, g, draw(state))
         start, cells, landmark = cover.start, cover.cells, cover.landmark

@@ -48,7 +48,7 @@ def sample_claims(
     legs: Legs,
     plans: Plans,
     forager: int,
-    heard: NDArray[np.float64],
+    follows: NDArray[np.float64],
     state: UInt64Array,
     claims: Claims,
 ) -> None:
@@ -56,14 +56,14 @@ def sample_claims(
 
     Parameters
     ----------
-    heard : (forager,) chance that each follows its known plan
+    follows : (forager,) chance that each follows its known plan
     claims : filled
     """
     first, amounts, later = claims.worth, claims.amount, claims.later
     weight, pace = legs.weight, -np.log(effort.discount)
     first[:], amounts[:], later[:] = 0.0, 0.0, 0.0
     for g in range(legs.kind.size):
-        if g == forager or draw(state) >= heard[g]:
+        if g == forager or draw(state) >= follows[g]:
             continue
         c, clock, room, lasts = drawn_plan(plans, g, draw(state)), 0.0, legs.room[g], legs.lasts[g]
         ways = _ways_from(legs, g, NONE)

@@ -114,12 +114,12 @@ class TrackingTeam:
             now, goals = int(observation.step[e]) - 1, self._goals
             self._target_values.list_items(e, now, self.collecting.items)
             goals[:] = NOWHERE
-            holder = int(observation.owner[e])  # whose move alone counts, unless it is nobody's
-            collects = holder == NOBODY or bool(self._task.fleet.collects[holder])
+            owner = int(observation.owner[e])  # whose move alone counts, unless it is nobody's
+            collects = owner == NOBODY or bool(self._task.fleet.collects[owner])
             if collects:
                 give_goals(observation, e, goals)
                 self._collect(observation, e, goals)
-            if holder == NOBODY or self._lone or not collects:
+            if owner == NOBODY or self._lone or not collects:
                 self._look(observation, e, goals)
         return self._preferences
 

@@ -42,8 +42,8 @@ def remedy(error: BaseException, otherwise: str = "") -> str:
     ----------
     otherwise : against one that is nothing special
     """
-    told = _NUMBER.search(str(error))  # as polars has it
-    number = getattr(error, "errno", None) or (int(told[1]) if told else 0)
+    found = _NUMBER.search(str(error))  # as polars has it
+    number = getattr(error, "errno", None) or (int(found[1]) if found else 0)
     return _REMEDIES.get(number, otherwise or f"mend that or give another place, then {_AGAIN}")
 
 

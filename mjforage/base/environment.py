@@ -33,12 +33,12 @@ def refusal(error: BaseException) -> str:
     places = _places(error.__traceback__)
     outside = takewhile(lambda place: place[0] not in _OURS, reversed(places))
     importing = any(function == "<module>" for _, function, _ in outside)
-    told = re.findall(r"[A-Z][A-Z0-9_]+", f"{error} {places[-1][2]}")
+    named = re.findall(r"[A-Z][A-Z0-9_]+", f"{error} {places[-1][2]}")
     if isinstance(error, Warning):
-        told.append("PYTHONWARNINGS")
+        named.append("PYTHONWARNINGS")
     if importing or not isinstance(error, Exception):  # such as a panic of polars
-        told += [name for name in os.environ if name.startswith(f"{library.upper()}_")]
-    names = sorted({name for name in told if os.environ.get(name)})
+        named += [name for name in os.environ if name.startswith(f"{library.upper()}_")]
+    names = sorted({name for name in named if os.environ.get(name)})
     if not names:
         return ""
     settings = ", ".join(f"{name}={os.environ[name]}" for name in names)

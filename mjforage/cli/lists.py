@@ -38,9 +38,9 @@ def metrics() -> None:
 
     def words(name: str) -> str:
         (one,) = (one for one in chosen_metrics([name]) if one is METRICS.find(name))
-        told = description(one)
-        facts = ", ".join(filter(None, (told.unit, ways[told.better], METRICS.origin(name))))
-        return f"{told.definition} [{facts}]" if facts else told.definition
+        about = description(one)
+        facts = ", ".join(filter(None, (about.unit, ways[about.better], METRICS.origin(name))))
+        return f"{about.definition} [{facts}]" if facts else about.definition
 
     ours = [one.key for one in chosen_metrics()]
     others = [name for name in METRICS.names() if name not in ours]

@@ -33,7 +33,7 @@ from mjforage.mission.task import DelayedScans, GroundTruth, Observation, no_del
 from mjforage.scenario.roles import UNLIMITED
 
 _ONE = np.ones(1, np.int32)
-_TOLD = attrgetter(*Observation._fields[3:14])  # of knowledge
+_KNOWN = attrgetter(*Observation._fields[3:14])  # of knowledge
 
 
 class Mission(ReadOnlyViews):
@@ -248,8 +248,8 @@ class Mission(ReadOnlyViews):
             active, step = (read_only(np.repeat(each, owners)) for each in (active, step))
             keys = self._held_keys
         owner = self._acting if owners > 1 else self._nobody
-        told = _TOLD(knowledge)
-        return Observation._make((active, step, keys, *told, delayed.scans, delayed.shown, owner))
+        known = _KNOWN(knowledge)
+        return Observation._make((active, step, keys, *known, delayed.scans, delayed.shown, owner))
 
     @property
     def truth(self) -> GroundTruth:

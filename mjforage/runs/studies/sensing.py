@@ -29,9 +29,9 @@ ASSUMED = ("detection", "half_range_node", "slope_node", "false_rate")
 def _missed(p: float, persistence: float = 0.0) -> Point:
     end, words = (f"-persistent-{persistence:g}", ", persistent") if persistence else ("", "")
     sensors = {"detection": p, "persistence": persistence}
-    told = {"detection": p}
+    prior = {"detection": p}
     name, title = f"detection-{p:g}{end}", f"p = {p:g}{words}"
-    return Point(p, name, title, {"sensors": sensors, "prior": told})
+    return Point(p, name, title, {"sensors": sensors, "prior": prior})
 
 
 def _near(half: float) -> Point:
@@ -42,9 +42,9 @@ def _near(half: float) -> Point:
 
 def _ghosts(rate: float, hold: int) -> Point:
     end, words = (f"-hold-{hold}", f", for {hold} decisions") if hold > 1 else ("", "")
-    sensors, told = {"false_rate": rate, "false_hold": hold}, {"false_rate": rate}
+    sensors, prior = {"false_rate": rate, "false_hold": hold}, {"false_rate": rate}
     name, title = f"ghosts-{rate:g}{end}", f"{rate:g} false alarms per node{words}"
-    return Point(rate, name, title, {"sensors": sensors, "prior": told})
+    return Point(rate, name, title, {"sensors": sensors, "prior": prior})
 
 
 def _fov(degrees: float) -> Point:

@@ -50,7 +50,7 @@ def test_trust_halves() -> None:
     seen.agent_seen[0] = 20, 15, 0
     context = DecisionContext(5.0)
     context.is_of(seen, 0)
-    np.testing.assert_allclose(context.heard, [1.0, 0.5, 1 / 16])
+    np.testing.assert_allclose(context.follows, [1.0, 0.5, 1 / 16])
 
 
 def test_scouts_look_where_something_is_to_be_seen() -> None:
