@@ -18,7 +18,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.policies.registry import check_policies
 from mjforage.mission.scoring import chosen_metrics
-from mjforage.mission.scoring.known import course_metrics
+from mjforage.mission.scoring.known import series_metrics
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.run_warnings import run_warnings
@@ -117,7 +117,7 @@ class Run:
             For unknown names and numbers out of range.
         """
         policies = check_policies(policies)
-        course_metrics(chosen_metrics(metrics))
+        series_metrics(chosen_metrics(metrics))
         for world in worlds:
             if world not in WORLDS:
                 raise UserError(f"world {world}: unknown; {nearest(world, WORLDS)}")

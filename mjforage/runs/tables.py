@@ -61,7 +61,7 @@ def _steps(episodes: NDArray[np.int64], steps: int, scores: Scores) -> Columns:
         "episode": np.repeat(episodes, steps),
         "step": np.tile(np.arange(steps), episodes.size),
     }
-    return columns | {key: values.ravel() for key, values in scores.courses.items()}
+    return columns | {key: values.ravel() for key, values in scores.series.items()}
 
 
 def _items(episodes: NDArray[np.int64], log: EpisodeLog) -> Columns:

@@ -66,15 +66,15 @@ def _check_alone(trial: PartTrial, check: str, play: Play) -> None:
 def _played(trial: PartTrial, metric: type[Metric], episodes: list[int]) -> Scorer:
     mission = trial.mission(episodes)
     known = [one for one in chosen_metrics(METRICS.names()) if one.key != metric.key]
-    scorer = Scorer(mission, [*known, metric])  # whose courses it may ask for
+    scorer = Scorer(mission, [*known, metric])  # whose series it may ask for
     mission.run(create_policy("greedy"), (scorer,))
     return scorer
 
 
 def _scores(scorer: Scorer, metric: type[Metric]) -> list[NDArray[Any]]:
     found = scorer.scores()
-    course = [found.courses[metric.course_name()]] if metric.has_course() else []
-    return [found.scalars[metric.key], *course]
+    series = [found.series[metric.series_name()]] if metric.has_series() else []
+    return [found.scalars[metric.key], *series]
 
 
 def check_metric_is_described(trial: PartTrial) -> None:
@@ -96,7 +96,7 @@ def check_metric_alone(trial: PartTrial) -> None:
 
 
 def check_metric_ends(trial: PartTrial) -> None:
-    """It reads no step after an episode's end; its course goes on from there with its last value.
+    """It reads no step after an episode's end; its time series keeps its last value.
 
     Nothing is checked where no episode of 0 to 2 is over before the horizon.
     """
@@ -117,14 +117,14 @@ def check_metric_ends(trial: PartTrial) -> None:
                 f"gave {found} by what arrays hold after an episode's end; leave out steps after "
                 "batch.log.length",
             )
-    for course in plain[1:]:
-        last = np.take_along_axis(course, log.length[:, None], axis=1)
-        somewhere = ~np.isnan(course).all(axis=0)  # a difference has one step less
-        found = first_difference(np.where(over & somewhere, last, course), course)
+    for series in plain[1:]:
+        last = np.take_along_axis(series, log.length[:, None], axis=1)
+        somewhere = ~np.isnan(series).all(axis=0)  # a difference has one step less
+        found = first_difference(np.where(over & somewhere, last, series), series)
         if found:
             raise trial.error(
                 "metric_ends",
-                f"has a course that is {found} after an episode's end; go on with its last value",
+                f"has a time series that is {found} after an episode's end; keep its last value",
             )
 
 

@@ -30,7 +30,7 @@ class AgeOfInformation(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [step]."""
-        return np.asarray(batch.course(AgeOfInformation).mean(axis=1))
+        return np.asarray(batch.series(AgeOfInformation).mean(axis=1))
 
 
 @metric
@@ -45,6 +45,6 @@ class PeakAge(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [step]."""
-        course = batch.course(AgeOfInformation)
-        since = np.arange(course.shape[1]) >= course.argmin(axis=1)[:, None]
-        return np.asarray(np.where(since, course, 0.0).max(axis=1))
+        series = batch.series(AgeOfInformation)
+        since = np.arange(series.shape[1]) >= series.argmin(axis=1)[:, None]
+        return np.asarray(np.where(since, series, 0.0).max(axis=1))

@@ -34,7 +34,7 @@ class OfHolders(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
-        return np.asarray(batch.course(type(self)).mean(axis=1))
+        return np.asarray(batch.series(type(self)).mean(axis=1))
 
 
 @metric

@@ -17,7 +17,7 @@ class FinalIdleness(Metric):
 
     key, label, better = "mi_final", "MI_final", -1
     compared = False
-    course_key, course_label, top = "mi", "MI", 1.0
+    series_key, series_label, top = "mi", "MI", 1.0
 
     def at(self, view: StepView) -> FloatArray:
         """(open,) mean over the nodes, now."""
@@ -32,7 +32,7 @@ class MeanIdleness(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
-        return np.asarray(batch.course(FinalIdleness).mean(axis=1))
+        return np.asarray(batch.series(FinalIdleness).mean(axis=1))
 
 
 @metric
@@ -44,16 +44,16 @@ class IdlenessReductionRate(Metric):
 
     key, label, better, digits = "irr_mean", "IRR_mean", 1, 5
     unit, compared = "1/step", False
-    course_key, course_label = "irr", "IRR"
+    series_key, series_label = "irr", "IRR"
 
-    def course(self, batch: Batch) -> FloatArray:
+    def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) fall to the next step; NaN at the last."""
-        idleness = batch.course(FinalIdleness)
+        idleness = batch.series(FinalIdleness)
         fall = np.full(idleness.shape, np.nan)
         fall[:, :-1] = metrics.irr(idleness)
         return fall
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
-        fall = batch.course(IdlenessReductionRate)[:, :-1]
+        fall = batch.series(IdlenessReductionRate)[:, :-1]
         return np.asarray(fall.mean(axis=1))

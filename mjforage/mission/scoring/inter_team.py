@@ -15,7 +15,7 @@ class CooperativeSuccess(Metric):
 
     key, label, better, top = "csr", "CSR", 1, 1.0
 
-    def course(self, batch: Batch) -> FloatArray:
+    def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far."""
         return metrics.csr_series(batch.events, batch.fleet.discoverers, batch.horizon)
 
@@ -45,7 +45,7 @@ class LagOfRises(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""
-        return metrics.itl(batch.course(ItemsDiscovered), batch.course(ItemsRemoved))
+        return metrics.itl(batch.series(ItemsDiscovered), batch.series(ItemsRemoved))
 
 
 @metric
@@ -59,4 +59,4 @@ class LagOfLevels(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""
-        return metrics.itl_level(batch.course(ItemsDiscovered), batch.course(ItemsRemoved))
+        return metrics.itl_level(batch.series(ItemsDiscovered), batch.series(ItemsRemoved))

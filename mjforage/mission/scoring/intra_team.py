@@ -18,7 +18,7 @@ class InequalityOfForagers(Metric):
     key, label, better = "gini_foragers", "Gini_foragers", -1
     compared, top = False, 0.0
 
-    def course(self, batch: Batch) -> FloatArray:
+    def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far."""
         events, team = batch.events, batch.fleet.collectors
         return metrics.team_gini_series(
@@ -36,7 +36,7 @@ class InequalityOfScouts(Metric):
     key, label, better = "gini_scouts", "Gini_scouts", -1
     compared, top = False, 0.0
 
-    def course(self, batch: Batch) -> FloatArray:
+    def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far."""
         events, team = batch.events, batch.fleet.discoverers
         return metrics.team_gini_series(
@@ -65,7 +65,7 @@ class OverlapOfScouts(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
-        return np.asarray(batch.course(OverlapOfScouts).mean(axis=1))
+        return np.asarray(batch.series(OverlapOfScouts).mean(axis=1))
 
 
 @metric
@@ -84,4 +84,4 @@ class OverlapOfForagers(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
-        return np.asarray(batch.course(OverlapOfForagers).mean(axis=1))
+        return np.asarray(batch.series(OverlapOfForagers).mean(axis=1))

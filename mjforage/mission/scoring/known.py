@@ -99,28 +99,28 @@ def checked(made: object, name: str) -> type[Metric]:
         raise UserError(f"metric {name}: better = {made.better!r}: give 1, -1 or 0")
     if type(made.digits) is not int or not 0 <= made.digits <= 12:
         raise UserError(f"metric {name}: digits = {made.digits!r}: give 0 to 12")
-    for method in ("value", "course", "at"):
+    for method in ("value", "series", "at"):
         if not callable(getattr(made, method)):
             raise UserError(f"metric {name}: {method} is no method; define it, or leave it out")
-    if not made.has_course() and made.value is Metric.value:
-        raise UserError(f"metric {name}: has no formula; define value, course or at")
+    if not made.has_series() and made.value is Metric.value:
+        raise UserError(f"metric {name}: has no formula; define value, series or at")
     return made
 
 
-def course_metrics(metrics: Sequence[type[Metric]]) -> dict[str, type[Metric]]:
-    """course_key -> metric, of those that have a course.
+def series_metrics(metrics: Sequence[type[Metric]]) -> dict[str, type[Metric]]:
+    """series_key -> metric, of those that have a time series.
 
     Raises
     ------
     UserError
-        If two have one course_key.
+        If two have one series_key.
     """
     found: dict[str, type[Metric]] = {}
     for one in metrics:
-        if one.has_course() and found.setdefault(one.course_name(), one) is not one:
+        if one.has_series() and found.setdefault(one.series_name(), one) is not one:
             raise UserError(
-                f"metric {one.key}: course_key {one.course_name()!r} is that of "
-                f"{found[one.course_name()].key}, too; give it another"
+                f"metric {one.key}: series_key {one.series_name()!r} is that of "
+                f"{found[one.series_name()].key}, too; give it another"
             )
     return found
 

@@ -1,6 +1,6 @@
 """The base of a mission's metrics: its name, unit, direction and formula, in one class.
 
-A metric gives a number per episode. It may also have a course: a number per step, which becomes a
+A metric gives a number per episode. It may also have a time series (a number per step), which is a
 column of `steps.parquet` and a curve of the report.
 """
 
@@ -27,7 +27,7 @@ _T = TypeVar("_T", bound=np.generic)
 
 
 class StepView(Cache):
-    """A mission after its start or a step, as a course that is taken live sees it.
+    """A mission after its start or a step, as a time series that is taken live sees it.
 
     Attributes
     ----------
@@ -62,40 +62,40 @@ class Batch(Cache):
 
         Parameters
         ----------
-        recorded : course_key -> (episode, T + 1) of what was taken live
+        recorded : series_key -> (episode, T + 1) of what was taken live
         """
         super().__init__()
         self.log, self.fleet, self.horizon = log, fleet, horizon
-        self._courses = {key: read_only(course) for key, course in recorded.items()}
+        self._series = {key: read_only(series) for key, series in recorded.items()}
 
     @cached_property
     def events(self) -> metrics.EventTable:
         """The items' events: (episode, item)."""
         return self.log.event_table()
 
-    def course(self, metric: "type[Metric]") -> FloatArray:
-        """(episode, T + 1) the course of a metric; one taken live goes on with its last value.
+    def series(self, metric: "type[Metric]") -> FloatArray:
+        """(episode, T + 1) the time series of a metric; one taken live goes on with its last value.
 
         Raises
         ------
         UserError
             If it is taken live and the metric is not one of the run's.
         """
-        key = metric.course_name()
-        if key not in self._courses:
+        key = metric.series_name()
+        if key not in self._series:
             if metric.is_live():
                 raise UserError(
-                    f"metric {metric.key}: its course was not taken; add it to the run's metrics"
+                    f"metric {metric.key}: its time series is missing; add it to the run's metrics"
                 )
-            self._courses[key] = read_only(metric().course(self))
-        return self._courses[key]
+            self._series[key] = read_only(metric().series(self))
+        return self._series[key]
 
 
 class Metric:
     """Base of every metric of a mission. The first paragraph of its docstring is its definition.
 
-    A class gives `value`, or a course from which it is taken: `course` from the finished batch, or
-    `at`, live. Undefined numbers are NaN; infinite ones are refused.
+    A class gives `value`, or a time series that ends in it: `series` of the finished batch, or `at`,
+    live. Undefined numbers are NaN; infinite ones are refused.
 
     Attributes
     ----------
@@ -105,9 +105,9 @@ class Metric:
     better : 1 more is better, -1 less is better, 0 neither
     digits : decimals shown
     compared : True if policies are compared in it, pair by pair
-    drawn : True if its distribution is drawn, where it has no course
-    course_key, course_label : of the column of `steps.parquet`; as `key` and `label` if empty
-    top : end of the course's axis, which then starts at 0; 0 for the largest value; None: free
+    drawn : True if its distribution is drawn, where it has no series
+    series_key, series_label : of the column of `steps.parquet`; as `key` and `label` if empty
+    top : end of the series's axis, which then starts at 0; 0 for the largest value; None: free
     """
 
     key: ClassVar[str]
@@ -117,41 +117,41 @@ class Metric:
     digits: ClassVar[int] = 3
     compared: ClassVar[bool] = True
     drawn: ClassVar[bool] = True
-    course_key: ClassVar[str] = ""
-    course_label: ClassVar[str] = ""
+    series_key: ClassVar[str] = ""
+    series_label: ClassVar[str] = ""
     top: ClassVar[float | None] = None
 
     def value(self, batch: Batch) -> FloatArray:
-        """(episode,) the metric; unless overridden, the last value of its course."""
-        return batch.course(type(self))[:, -1]
+        """(episode,) the metric; unless overridden, the last value of its time series."""
+        return batch.series(type(self))[:, -1]
 
-    def course(self, batch: Batch) -> FloatArray:
+    def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) from a finished batch."""
         raise NotImplementedError
 
     def at(self, view: StepView) -> FloatArray:
-        """(open,) the course's value now, for the view's episodes."""
+        """(open,) the time series value now, for the view's episodes."""
         raise NotImplementedError
 
     @classmethod
     def is_defined(cls, mission: Mission) -> bool:
-        """True if a live course means anything in a mission; where not, it is not taken: NaN."""
+        """True if a live time series is defined in a mission; else it is NaN."""
         return True
 
     @classmethod
     def is_live(cls) -> bool:
-        """True if its course is taken while episodes run."""
+        """True if its time series is taken while episodes run."""
         return cls.at is not Metric.at
 
     @classmethod
-    def has_course(cls) -> bool:
-        """True if it has a course."""
-        return cls.is_live() or cls.course is not Metric.course
+    def has_series(cls) -> bool:
+        """True if it has a time series."""
+        return cls.is_live() or cls.series is not Metric.series
 
     @classmethod
-    def course_name(cls) -> str:
-        """Column of its course."""
-        return cls.course_key or cls.key
+    def series_name(cls) -> str:
+        """Column of its time series."""
+        return cls.series_key or cls.key
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ class Description:
 
     Attributes
     ----------
-    course, course_label : key and label of its column of `steps.parquet`, "" if it has none
+    series, series_label : key and label of its column of `steps.parquet`, "" if it has none
     others : as of `Metric`; `definition` is one sentence
     """
 
@@ -172,8 +172,8 @@ class Description:
     digits: Annotated[int, Within(0, 12, "decimals")] = 4
     compared: bool = True
     drawn: bool = True
-    course: str = ""
-    course_label: str = ""
+    series: str = ""
+    series_label: str = ""
     top: float | None = None
 
     @property
@@ -190,7 +190,7 @@ class Description:
 def description(metric: type[Metric]) -> Description:
     """Description of a metric."""
     words = (inspect.getdoc(metric) or "").partition("\n\n")[0]
-    has = metric.has_course()
+    has = metric.has_series()
     return Description(
         metric.key,
         metric.label,
@@ -200,7 +200,7 @@ def description(metric: type[Metric]) -> Description:
         metric.digits,
         metric.compared,
         metric.drawn,
-        metric.course_name() if has else "",
-        (metric.course_label or metric.label) if has else "",
+        metric.series_name() if has else "",
+        (metric.series_label or metric.label) if has else "",
         metric.top,
     )

@@ -18,7 +18,7 @@ class ItemsDiscovered(Metric):
     key, label, unit, better, digits = "pta_d", "PTA_D", "%", 1, 2
     top = 100.0
 
-    def course(self, batch: Batch) -> FloatArray:
+    def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far [%]."""
         events = batch.events
         return metrics.pta_series(events.discovered_at, events.exists, batch.horizon)
@@ -34,7 +34,7 @@ class ItemsRemoved(Metric):
     key, label, unit, better, digits = "pta_c", "PTA_C", "%", 1, 2
     top = 100.0
 
-    def course(self, batch: Batch) -> FloatArray:
+    def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far [%]."""
         events = batch.events
         return metrics.pta_series(events.collected_at, events.exists, batch.horizon)
@@ -51,7 +51,7 @@ class TimeToHalf(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""
-        return metrics.nt(batch.course(ItemsRemoved), 50.0)
+        return metrics.nt(batch.series(ItemsRemoved), 50.0)
 
 
 @metric
@@ -65,7 +65,7 @@ class TimeToMost(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""
-        return metrics.nt(batch.course(ItemsRemoved), 90.0)
+        return metrics.nt(batch.series(ItemsRemoved), 90.0)
 
 
 @metric
@@ -118,7 +118,7 @@ class Cleared(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) 1 or 0."""
-        return (batch.course(ItemsRemoved)[:, -1] >= 100.0).astype(np.float64)
+        return (batch.series(ItemsRemoved)[:, -1] >= 100.0).astype(np.float64)
 
 
 @metric

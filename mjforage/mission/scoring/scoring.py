@@ -8,7 +8,7 @@ import numpy as np
 from mjforage.base.errors import UserError
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.mission import Mission, Observer
-from mjforage.mission.scoring.known import chosen_metrics, course_metrics
+from mjforage.mission.scoring.known import chosen_metrics, series_metrics
 from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
 
 
@@ -20,12 +20,12 @@ class Scores:
     ----------
     metrics : whose they are
     scalars : key -> (episode,)
-    courses : course_key -> (episode, T + 1), padded with the last value
+    series : series_key -> (episode, T + 1), padded with the last value
     """
 
     metrics: tuple[type[Metric], ...]
     scalars: dict[str, FloatArray]
-    courses: dict[str, FloatArray]
+    series: dict[str, FloatArray]
 
 
 class Scorer(Observer):
@@ -52,12 +52,12 @@ class Scorer(Observer):
         self.log = EpisodeLog(mission)
         self.metrics = chosen_metrics() if metrics is None else tuple(metrics)
         self._setup = mission.setup
-        self._courses = course_metrics(self.metrics)
+        self._series = series_metrics(self.metrics)
         self._live: dict[str, Metric] = {}
         self._taken: dict[str, FloatArray] = {}
 
     def see(self, mission: Mission) -> None:
-        """Log the state and take the courses that are live."""
+        """Log the state and take the series that are live."""
         if not self._taken:
             self._start(mission)
         self.log.see(mission)
@@ -68,7 +68,7 @@ class Scorer(Observer):
 
     def _start(self, mission: Mission) -> None:
         shape = (mission.step.size, self._setup.scenario.horizon + 1)
-        live = {key: one for key, one in self._courses.items() if one.is_live()}
+        live = {key: one for key, one in self._series.items() if one.is_live()}
         self._taken = {key: np.full(shape, np.nan) for key in live}
         self._live = {key: one() for key, one in live.items() if one.is_defined(mission)}
 
@@ -100,8 +100,8 @@ def score(batch: Batch, metrics: Sequence[type[Metric]]) -> Scores:
         tuple(metrics),
         {one.key: _sound(one, one().value(batch), (episodes,)) for one in metrics},
         {
-            key: _sound(one, batch.course(one), (episodes, batch.horizon + 1))
-            for key, one in course_metrics(metrics).items()
+            key: _sound(one, batch.series(one), (episodes, batch.horizon + 1))
+            for key, one in series_metrics(metrics).items()
         },
     )
 

@@ -32,7 +32,7 @@ class Contact(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
-        return np.asarray(batch.course(Contact).mean(axis=1))
+        return np.asarray(batch.series(Contact).mean(axis=1))
 
 
 class Total(Metric):

@@ -144,24 +144,24 @@ def finish(axes: Axes, metric: Description, empty: str) -> None:
     axes.set_xlim(0.0, 1.0)
     axes.yaxis.set_major_locator(MaxNLocator(5))
     if empty:
-        undefined(axes, mathtext(metric.course_label or metric.label), empty)
+        undefined(axes, mathtext(metric.series_label or metric.label), empty)
 
 
 def series_label(metric: Description) -> str:
     """Label of an axis of values over time."""
     unit = f"  [{metric.unit}]" if metric.unit else ""
-    return mathtext(metric.course_label or metric.label) + unit
+    return mathtext(metric.series_label or metric.label) + unit
 
 
 def _plot(axes: Axes, logs: RunLogs, panel: Panel, metric: Description) -> None:
     """Draw all cases of a run."""
     looks, lines = panel.styles(), panel.lines()
-    drawn = {case: time_series(case, metric.course) for case in logs.cases}
+    drawn = {case: time_series(case, metric.series) for case in logs.cases}
     for place, (case, one) in enumerate(drawn.items()):
         one.draw(axes, looks[case.policy], lines[case.world], place, len(drawn))
     axes.set_ylabel(series_label(metric))
     empty = not any(one.n.any() for one in drawn.values())
-    here = metric.course in logs.columns_of_steps
+    here = metric.series in logs.columns_of_steps
     missing = "is not in this run, which was made without it"
     why = "is undefined in every episode" if here else missing
     finish(axes, metric, why if empty else "")
@@ -191,7 +191,7 @@ def _has_numbers(logs: RunLogs, key: str) -> bool:
 
 def time_figures(logs: RunLogs) -> list[ReportFigure]:
     """Every figure over time, in the order of the report: ours, then one per other metric."""
-    metrics, figures = logs.courses, []
+    metrics, figures = logs.series, []
     for one in ARRANGED:
         shown = [key for key in one.columns if not one.optional or _has_numbers(logs, key)]
         if shown:
@@ -200,7 +200,7 @@ def time_figures(logs: RunLogs) -> list[ReportFigure]:
     arranged = {key for one in ARRANGED for key in one.columns}
     for key, metric in metrics.items():
         if key not in arranged and key in logs.columns_of_steps:
-            name, title = f"course-{key.replace('_', '-')}", f"{metric.course_label} over time"
-            words = f"{metric.course_label}: {metric.definition}."
+            name, title = f"series-{key.replace('_', '-')}", f"{metric.series_label} over time"
+            words = f"{metric.series_label}: {metric.definition}."
             figures.append(time_figure(logs, name, title, [metric], words))
     return figures

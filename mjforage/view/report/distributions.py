@@ -108,7 +108,7 @@ def distribution_figures(logs: RunLogs) -> list[ReportFigure]:
     drawn = [
         one
         for one in logs.metrics.values()
-        if one.drawn and not one.course and one.key != "dsl" and logs.defined(one.key)
+        if one.drawn and not one.series and one.key != "dsl" and logs.defined(one.key)
     ]
     return [_latency(logs), *(_of_episodes(logs, one) for one in drawn)]
 

@@ -93,11 +93,11 @@ class RunLogs:
         return any(case.summary(key).n for case in self.cases)
 
     @cached_property
-    def courses(self) -> dict[str, Description]:
+    def series(self) -> dict[str, Description]:
         """Metrics that have a time series, by its column of `steps.parquet`; unknown ones last."""
-        known = {one.course: one for one in self.metrics.values() if one.course}
+        known = {one.series: one for one in self.metrics.values() if one.series}
         others = {
-            key: replace(describe(key), course=key, course_label=key)
+            key: replace(describe(key), series=key, series_label=key)
             for key in self.columns_of_steps
             if key not in known
         }

@@ -122,18 +122,18 @@ class SlowScores:
     """Courses and numbers of the metrics of one episode, from the states as they were."""
 
     def __init__(self, oracle: SlowMission) -> None:
-        self.oracle, self.courses = oracle, dict[str, list[float]]()
+        self.oracle, self.series = oracle, dict[str, list[float]]()
         self.tracks: list[list[tuple[float, ...]]] = []  # step, agent
         self.see()
 
     def see(self) -> None:
-        """Take the courses and the tracks now."""
+        """Take the series and the tracks now."""
         each = self.oracle.agents
         self.tracks.append(
             [(a.node, a.yaw, a.way, a.took, 2 * a.blocked, a.direction) for a in each]
         )
         for key, value in self._now().items():
-            self.courses.setdefault(key, []).append(value)
+            self.series.setdefault(key, []).append(value)
 
     def _now(self) -> dict[str, float]:
         oracle, horizon = self.oracle, self.oracle.scenario.horizon
@@ -196,8 +196,8 @@ class SlowScores:
         """Key -> metric of the whole episode; series go on with their last values."""
         oracle, horizon = self.oracle, self.oracle.scenario.horizon
         padded = {
-            key: course + [course[-1]] * (horizon + 1 - len(course))
-            for key, course in self.courses.items()
+            key: series + [series[-1]] * (horizon + 1 - len(series))
+            for key, series in self.series.items()
         }
         way = sum(agent.way for agent in oracle.agents)
         kinds = [agent.role.collects for agent in oracle.agents]
@@ -225,7 +225,7 @@ class SlowScores:
 
     def _time_to(self, share: float) -> float:
         horizon = self.oracle.scenario.horizon
-        reached = [t for t, pta in enumerate(self.courses["pta_c"]) if pta >= share]
+        reached = [t for t, pta in enumerate(self.series["pta_c"]) if pta >= share]
         return reached[0] / horizon if reached else 1.0
 
     def _traffic(self) -> dict[str, float]:
@@ -269,9 +269,9 @@ def score_alike(scorer: Scorer, slow: list[SlowScores]) -> None:
         names = ("agent_node", "yaw", "distance", "pickup", "outcome", "direction")
         logged = np.stack([getattr(log, name)[e, : log.length[e] + 1] for name in names], axis=-1)
         np.testing.assert_allclose(logged, oracle.tracks, rtol=1e-5, atol=1e-6)
-        for key, course in oracle.courses.items():
-            taken = scores.courses[key][e]
-            expected = course + [course[-1]] * (taken.size - len(course))
+        for key, series in oracle.series.items():
+            taken = scores.series[key][e]
+            expected = series + [series[-1]] * (taken.size - len(series))
             np.testing.assert_allclose(taken, expected, rtol=1e-5, atol=1e-7, err_msg=key)
         for key, value in oracle.numbers().items():
             one = scores.scalars[key][e]

@@ -38,8 +38,8 @@ def test_logs_are_the_same_bits_whatever_the_batch(policy: str) -> None:
         part, found = scorer.log, scorer.scores()
         for name in ("agent_node", "yaw", "distance", "length", "n_items"):
             np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[batch - first])
-        for name, course in found.courses.items():
-            np.testing.assert_array_equal(course, scores.courses[name][batch - first])
+        for name, series in found.series.items():
+            np.testing.assert_array_equal(series, scores.series[name][batch - first])
         for name, values in found.scalars.items():
             np.testing.assert_array_equal(values, scores.scalars[name][batch - first])
         for name in ("t_discovered", "discovered_by", "t_collected", "collected_by", "item_start"):

@@ -115,7 +115,7 @@ class Listed(Metric):
 
     def value(self, batch: Batch) -> FloatArray:
         self.found.extend(writable(batch))
-        return np.asarray(batch.course(type(self))[:, -1])
+        return np.asarray(batch.series(type(self))[:, -1])
 
 
 def mission_of(world: str, overrides: tuple[str, ...], episodes: int = 2) -> Mission:

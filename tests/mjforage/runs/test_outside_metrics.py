@@ -35,7 +35,7 @@ class Waste(Metric):
 
     key, label, unit, better, digits, top = "left", "Left_T", "item", -1, 1, 0
 
-    def course(self, batch):
+    def series(self, batch):
         removed = batch.events.collected_at
         steps = range(batch.horizon + 1)
         import numpy as np
@@ -251,7 +251,7 @@ def test_one_of_the_script_itself_needs_one_process(
     assert not (folder / "other").exists()
 
 
-@pytest.mark.parametrize("method", ["value", "course", "at"])
+@pytest.mark.parametrize("method", ["value", "series", "at"])
 def test_a_formula_that_cannot_be_called_is_named_before_a_run(method: str) -> None:
     formula = {"value": lambda self, batch: batch.log.length, method: None}
     made = type("Odd", (Metric,), {"key": "odd", "label": "odd", **formula})

@@ -30,7 +30,7 @@ def test_every_metric_has_its_columns(finished: Path) -> None:
     steps = read_table(finished / "steps.parquet", "steps")
     metrics = chosen_metrics()
     assert episodes.columns[4:] == [one.key for one in metrics]
-    assert steps.columns[4:] == [one.course_name() for one in metrics if one.has_course()]
+    assert steps.columns[4:] == [one.series_name() for one in metrics if one.has_series()]
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,7 @@ def test_reports_run_no_code(folder: Path) -> None:
     found["evil:Enc"] = found["pta_c"]
     (run / "summary.json").write_text(json.dumps(summary))
     logs = load_logs(run)
-    assert logs.metrics["evil:Enc"].label == logs.courses["evil:Enc"].label == "evil:Enc"
+    assert logs.metrics["evil:Enc"].label == logs.series["evil:Enc"].label == "evil:Enc"
     assert untouched(folder)
 
 

@@ -72,7 +72,7 @@ class Unpadded(Metric):
     def value(self, batch):
         return np.zeros(batch.log.length.size)
 
-    def course(self, batch):
+    def series(self, batch):
         steps = np.arange(batch.horizon + 1)
         return np.where(steps > batch.log.length[:, None], 0, steps).astype(float)
 
@@ -150,7 +150,7 @@ BAD: list[tuple[Check, str, str, str]] = [
 ENDING = [
     ("Longest", "metric_alone", "for one episode in two batches"),
     ("Unended", "metric_ends", "leave out steps after batch.log.length"),
-    ("Unpadded", "metric_ends", "course that is .* and 0.* after an episode.s end; go on"),
+    ("Unpadded", "metric_ends", "series that is .* and 0.* after an episode.s end; keep"),
 ]
 
 

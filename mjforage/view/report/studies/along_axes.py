@@ -122,7 +122,7 @@ def series_picture(
                 drawn = False
                 for place, ((variant, _), look) in enumerate(zip(played, looks, strict=True)):
                     case = logs.case(variant, world, policy)
-                    one = time_series(case, metric.course or metric.key)
+                    one = time_series(case, metric.series or metric.key)
                     one.draw(axes, look, "-", place, len(played))
                     drawn |= bool(one.n.any())
                 finish(axes, metric, "" if drawn else "is not in this study")

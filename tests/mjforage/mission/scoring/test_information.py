@@ -43,30 +43,30 @@ class Ages(Observer):
 
 
 def scored(*overrides: str, policy: str = "greedy", episodes: Any = (0, 1, 2)) -> tuple[Any, ...]:
-    """Scalars and courses of a mission, its ages word for word, and the mission itself."""
+    """Scalars and series of a mission, its ages word for word, and the mission itself."""
     mission = Mission(setup_of(*overrides))
     mission.reset(5, np.array(episodes))
     scorer, ages = Scorer(mission), Ages()
     mission.run(create_policy(policy), (scorer, ages))
     scores = scorer.scores()
-    return scores.scalars, scores.courses, ages, mission
+    return scores.scalars, scores.series, ages, mission
 
 
 def test_without_a_link_maps_have_an_age_and_nothing_else_is_defined() -> None:
-    scalars, courses, ages, _ = scored()
-    np.testing.assert_allclose(courses["aoi"].T, ages.aoi, rtol=1e-12)
+    scalars, series, ages, _ = scored()
+    np.testing.assert_allclose(series["aoi"].T, ages.aoi, rtol=1e-12)
     np.testing.assert_allclose(scalars["aoi"], np.mean(ages.aoi, axis=0))
     for key in OF_LINKS:
         assert np.isnan(scalars[key]).all(), key
     for key in ("position_age", "disagreement", "rmse_holders", "contact"):
-        assert np.isnan(courses[key]).all(), key
+        assert np.isnan(series[key]).all(), key
 
 
 def test_the_peak_of_the_age_is_that_after_maps_were_known_best() -> None:
     """Not the start, when all is unknown."""
 
     class Made:
-        def course(self, metric: Any) -> NDArray[np.float64]:
+        def series(self, metric: Any) -> NDArray[np.float64]:
             return np.array([[9.0, 5.0, 2.0, 4.0, 3.0], [9.0, 8.0, 7.0, 6.0, 6.0]])
 
     made: Any = Made()

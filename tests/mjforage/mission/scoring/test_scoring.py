@@ -42,7 +42,7 @@ def setup() -> Setup:
 
 
 def by_hand(setup: Setup) -> Scores:
-    """Scores of that log, with courses that would have been taken live."""
+    """Scores of that log, with series that would have been taken live."""
     steps = np.linspace(1.0, 0.5, 11)[None, :]
     recorded = {
         "rmse": steps * 0.2,
@@ -104,7 +104,7 @@ def test_columns_keep_their_order_and_others_come_after() -> None:
 
 
 def test_series_follow_the_events(setup: Setup) -> None:
-    series = by_hand(setup).courses
+    series = by_hand(setup).series
     assert series["pta_d"][0].tolist() == [0, 25, 50, 50, 50, 75, 75, 75, 75, 75, 75]
     assert series["pta_c"][0].tolist() == [0, 0, 0, 25, 25, 50, 50, 50, 50, 50, 50]
     assert np.isnan(series["csr"][0, :3]).all() and series["csr"][0, 3:6].tolist() == [1, 1, 0.5]

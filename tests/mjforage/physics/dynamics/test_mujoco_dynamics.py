@@ -53,7 +53,7 @@ def played(
 
 def fingerprint(scorer: Scorer, episode: int) -> bytes:
     """Everything that is logged of one episode of a batch."""
-    log, error = scorer.log, scorer.scores().courses["rmse"][episode]
+    log, error = scorer.log, scorer.scores().series["rmse"][episode]
     count = int(log.n_items[episode])
     agents: list[NDArray[np.generic]] = [
         log.agent_rc[episode],

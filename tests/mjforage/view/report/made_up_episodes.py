@@ -10,7 +10,7 @@ from mjforage.mission.scoring import chosen_metrics
 from mjforage.runs.episode_recording import Recording
 
 FLOATS = tuple(one.key for one in chosen_metrics())
-COURSES = tuple(one.course_name() for one in chosen_metrics() if one.has_course())
+COURSES = tuple(one.series_name() for one in chosen_metrics() if one.has_series())
 
 
 @dataclass(frozen=True)
