@@ -94,8 +94,8 @@ class Batch(Cache):
 class Metric:
     """Base of every metric of a mission. The first paragraph of its docstring is its definition.
 
-    A class gives `value`, or a time series that ends in it: `series` of the finished batch, or `at`,
-    live. Undefined numbers are NaN; infinite ones are refused.
+    A class gives `value`, or a time series that ends in it: `series` of the finished batch, or live
+    `at`. Undefined numbers are NaN; infinite ones are refused.
 
     Attributes
     ----------
