@@ -5,7 +5,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 
 from rich.progress import (
     BarColumn,
@@ -47,10 +47,10 @@ def bar(words: str, unit: str) -> Iterator[Report]:
     """
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _EndColumn()
     shown = errors.is_interactive
-    with Progress(*columns, console=errors, transient=True, disable=not shown) as progress:
-        report, task = reporting(progress, unit)
-        with nullcontext() if shown else _lines(lambda _: line(words, task)):
-            yield report
+    progress = Progress(*columns, console=errors, transient=True)
+    report, task = reporting(progress, unit)
+    with progress if shown else _lines(lambda _: line(words, task)):
+        yield report
 
 
 def reporting(progress: Progress, unit: str) -> tuple[Report, Task]:

@@ -107,7 +107,10 @@ def _palette(pictures: Iterator[av.VideoFrame]) -> tuple[int, Any]:
         if source is None:
             size = {"width": picture.width, "height": picture.height}
             source = graph.add_buffer(**size, format="rgb24", time_base=_TICK_S)
-            graph.link_nodes(source, graph.add("palettegen"), graph.add("buffersink")).configure()
+            palette, sink = graph.add("palettegen"), graph.add("buffersink")
+            source.link_to(palette)
+            palette.link_to(sink)
+            graph.configure()
         picture.pts, picture.time_base = count, _TICK_S
         source.push(picture)
     assert source is not None, "no frames"
