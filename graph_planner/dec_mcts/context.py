@@ -11,7 +11,7 @@ from mjforage.mission.task import Observation
 
 @dataclass
 class DecisionContext:
-    """Whose row is decided, when, and how far its team-mates are to be counted on.
+    """Owner of a decided row, its time, and the chance that each team-mate follows its plan.
 
     Attributes
     ----------

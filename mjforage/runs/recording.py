@@ -46,7 +46,6 @@ def record(
     policy: str,
     seed: int,
     episode: int,
-    observers: tuple[Observer, ...] = (),
 ) -> Recording:
     """Play one episode and keep all of it.
 
@@ -55,7 +54,6 @@ def record(
     setup : scenario and map
     world, policy : names
     seed, episode : seed of the run, number of the episode
-    observers : called at every step besides
 
     Raises
     ------
@@ -66,7 +64,7 @@ def record(
     mission = create_mission(setup, world, trajectory)
     mission.reset(seed, np.array([episode], np.int64))
     by_agent = KnowledgeRecorder() if mission.exchange.link_log is not None else None
-    mission.run(create_policy(policy), (recorder, *((by_agent,) if by_agent else ()), *observers))
+    mission.run(create_policy(policy), (recorder, *((by_agent,) if by_agent else ())))
     choice = setup.scenario.physics
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Recording(

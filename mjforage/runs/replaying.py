@@ -16,7 +16,6 @@ from mjforage.graph_planner.policies.registry import (
     has_policy,
     policy_label,
 )
-from mjforage.mission.mission import Observer
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.recording import record
@@ -32,9 +31,8 @@ def recording_of_run(
     world: str | None,
     policy: str | None,
     episode: int,
-    observers: tuple[Observer, ...] = (),
 ) -> Recording:
-    """A logged episode: as it was recorded, or played again if it was not, or has observers.
+    """A logged episode: as it was recorded, or played again if it was not.
 
     The folder may be anybody's: of the policies that it names only those are played that ship,
     that an installed package brings, or whose code the user has named (`registry.trust`).
@@ -44,7 +42,6 @@ def recording_of_run(
     folder : complete run folder
     world, policy : names; None for the run's first
     episode : number
-    observers : called at every step besides
 
     Raises
     ------
@@ -61,11 +58,11 @@ def recording_of_run(
             f"{run.episodes - 1} of {', '.join(run.policies)} in {', '.join(run.worlds)}"
         )
     file = recording_file(folder, world, policy, episode)
-    if zipfile.is_zipfile(file) and not observers:
+    if zipfile.is_zipfile(file):
         recording = Recording.load(file)
     else:
         setup = _setup(run, policy, str(folder / "run.json"))
-        recording = record(setup, world, policy, run.seed, episode, observers)
+        recording = record(setup, world, policy, run.seed, episode)
     if not as_logged(recording, RunFolder(folder)):
         raise UserError(
             f"{folder}: episode {episode} of {policy} does not come out as logged: it was made "

@@ -1,4 +1,4 @@
-"""What share of items a lone forager takes: `python -m tests.controllers.picking_ground`.
+"""Share of items that a lone forager collects: `python -m tests.controllers.picking_ground`.
 
 One item at rest in a node, touching or nearly touching its quays where it has any; a forager in the
 node or beside it, at any heading, ordered there and then to stay. Real bodies, 0.1 m and 1 degree

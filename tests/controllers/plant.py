@@ -46,7 +46,7 @@ def cross_current() -> WeatherSettings:
 
 @dataclass(frozen=True)
 class Track:
-    """What hulls did: poses (tick, episode, 3) and velocities over ground, world axes."""
+    """Motion of hulls: poses (tick, episode, 3) and velocities over ground, world axes."""
 
     pose: FloatArray
     velocity: FloatArray

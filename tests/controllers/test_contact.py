@@ -1,4 +1,4 @@
-"""How fast a hull may turn and go beside quays and other hulls, against closed forms."""
+"""Speeds at which a hull may turn and go beside quays and other hulls, against closed forms."""
 
 import math
 

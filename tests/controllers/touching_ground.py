@@ -1,4 +1,4 @@
-"""How fast hulls touch where it is hard not to: `python -m tests.controllers.touching_ground`.
+"""Speeds of contacts where they are hard to avoid: `python -m tests.controllers.touching_ground`.
 
 Crews drawn to one node of a small basin, foragers picking up items there that lie anywhere, at
 quays and in corners too; gusts, 0.1 m and 1 degree of noise. A touch is that of a mission.

@@ -45,7 +45,7 @@ def comb_port() -> NavigationGraph:
 
 @dataclass
 class Outcome:
-    """What happened in a batch of walks."""
+    """Outcome of a batch of walks."""
 
     moves: NDArray[np.int64]  # (vessel,) decisions to move
     arrived: NDArray[np.int64]  # (vessel,) of those

@@ -1,12 +1,10 @@
 """Differences between the agents' knowledge; undefined where all share one map."""
 
-import numpy as np
-
 from mjforage import metrics
 from mjforage.mission.mission import Mission
 from mjforage.mission.scoring.belief_error import errors
 from mjforage.mission.scoring.known import metric
-from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView, TimeMean
 
 
 def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
@@ -22,7 +20,7 @@ def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
     )
 
 
-class OfHolders(Metric):
+class OfHolders(TimeMean):
     """Metric of several belief owners: time mean of a time series."""
 
     better, compared, top = -1, False, 0.0
@@ -31,10 +29,6 @@ class OfHolders(Metric):
     def is_defined(cls, mission: Mission) -> bool:
         """True if there are several."""
         return mission.exchange.owners > 1
-
-    def value(self, batch: Batch) -> FloatArray:
-        """(episode,)."""
-        return np.asarray(batch.series(type(self)).mean(axis=1))
 
 
 @metric

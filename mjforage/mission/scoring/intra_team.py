@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from mjforage import metrics
 from mjforage.mission.scoring.known import metric
-from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView, TimeMean
 
 
 @metric
@@ -50,7 +50,7 @@ def _overlap(view: StepView, team: NDArray[np.int64]) -> FloatArray:
 
 
 @metric
-class OverlapOfScouts(Metric):
+class OverlapOfScouts(TimeMean):
     """Nodes that at least two scouts see, of those that one sees; time mean.
 
     Paper, "Intra-team metrics", CO.
@@ -63,13 +63,9 @@ class OverlapOfScouts(Metric):
         """(open,) now."""
         return _overlap(view, view.mission.setup.fleet.discoverers)
 
-    def value(self, batch: Batch) -> FloatArray:
-        """(episode,)."""
-        return np.asarray(batch.series(OverlapOfScouts).mean(axis=1))
-
 
 @metric
-class OverlapOfForagers(Metric):
+class OverlapOfForagers(TimeMean):
     """Nodes that at least two foragers see, of those that one sees; time mean.
 
     Paper, "Intra-team metrics", CO.
@@ -81,7 +77,3 @@ class OverlapOfForagers(Metric):
     def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
         return _overlap(view, view.mission.setup.fleet.collectors)
-
-    def value(self, batch: Batch) -> FloatArray:
-        """(episode,)."""
-        return np.asarray(batch.series(OverlapOfForagers).mean(axis=1))

@@ -154,6 +154,14 @@ class Metric:
         return cls.series_key or cls.key
 
 
+class TimeMean(Metric):
+    """Base of metrics whose value is the mean of their time series over the steps."""
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        return np.asarray(batch.series(type(self)).mean(axis=1))
+
+
 @dataclass(frozen=True)
 class Description:
     """Display of a metric, without its formula; `run.json` has one of each of the run's.

@@ -1,4 +1,4 @@
-"""When and where drifting items are met, and who meets which."""
+"""Meetings with drifting items: time, place, and the agent of each item."""
 
 import numpy as np
 import pytest

@@ -142,7 +142,7 @@ def test_prepared_kernels_look_into_tuples() -> None:
 
 
 class Heard(event.Listener):
-    """What `compiling` says whenever numba begins to compile."""
+    """Answers of `compiling` whenever numba begins to compile."""
 
     def __init__(self) -> None:
         self.said: list[bool] = []

@@ -1,4 +1,4 @@
-"""What is said of variables that other people's libraries refuse."""
+"""Messages about variables that other people's libraries refuse."""
 
 import os
 import subprocess

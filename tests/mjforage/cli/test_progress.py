@@ -1,4 +1,4 @@
-"""How far a command has come, said in lines where there is no terminal."""
+"""Progress of a command in lines where there is no terminal."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""What ships of the schemas is what the command writes now, and our own files follow it."""
+"""Shipped schemas are those that the command writes now, and our own files follow them."""
 
 import json
 import tomllib

@@ -1,4 +1,4 @@
-"""Whether a mission and the one in plain Python are in the same state, and score alike."""
+"""Comparison of a mission with the one in plain Python: state and scores."""
 
 import math
 from collections.abc import Callable

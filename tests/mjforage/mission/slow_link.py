@@ -1,4 +1,4 @@
-"""Who receives which scan when, in plain Python: contacts, bad times, noise, budgets, latency."""
+"""Reception of scans in plain Python: contacts, bad times, noise, budgets, latency."""
 
 import math
 

@@ -22,7 +22,7 @@ def drawn(key: int, stream: Stream, index: int, step: int) -> float:
 
 @dataclass(frozen=True)
 class Scan:
-    """What an agent sees and says of itself at the end of a step."""
+    """Scan of an agent at the end of a step, with what it says of itself."""
 
     step: int
     agent: int
@@ -36,7 +36,7 @@ class Scan:
 
 
 class SensorConfig:
-    """How items in view are seen in one episode."""
+    """Sensors of one episode."""
 
     def __init__(self, scenario: Scenario, water: SlowMap, key: int) -> None:
         self.sensors, self.water, self.key = scenario.sensors, water, key

@@ -1,4 +1,4 @@
-"""What somebody else hands to a policy of ours is checked before kernels index by it."""
+"""Observations of somebody else's are checked before kernels index by them."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What is told before a run: what is not felt, what hunts, what will be late; and that it is so."""
+"""Warnings before a run: settings without effect, oscillation, late moves; and that they hold."""
 
 import logging
 import math

@@ -1,4 +1,4 @@
-"""What somebody's own part raises, wherever it does, is one line with its name."""
+"""Errors of somebody's own part, wherever raised, are one line with its name."""
 
 from collections.abc import Callable
 from pathlib import Path

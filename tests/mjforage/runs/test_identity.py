@@ -1,4 +1,4 @@
-"""What a run is: whatever decides its numbers, changed alone, is refused where it goes on."""
+"""Identity of a run: whatever decides its numbers, changed alone, is refused on resumption."""
 
 import inspect
 import json

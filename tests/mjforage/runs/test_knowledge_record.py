@@ -1,4 +1,4 @@
-"""What each agent itself knows, as it is recorded with an episode over a link."""
+"""Knowledge of each agent, as recorded with an episode over a link."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ STEPS = 40
 
 
 class Kept(Observer):
-    """What holders know, copied whole after every step."""
+    """Knowledge of all owners, copied whole after every step."""
 
     def __init__(self) -> None:
         self.belief: list[np.ndarray] = []

@@ -1,4 +1,4 @@
-"""Which episodes are kept for the replay: those asked for, of each world and policy its own."""
+"""Selection of recorded episodes: those asked for, for each world and policy."""
 
 import logging
 from pathlib import Path

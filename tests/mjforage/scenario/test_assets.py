@@ -1,4 +1,4 @@
-"""Where the shipped data is looked for: in the wheel, then in the checkout."""
+"""Places of the shipped data: the wheel, then the checkout."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What no scenario is: every fault is named, whatever is given."""
+"""Faulty scenarios: every fault is named, whatever is given."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""What scans miss and invent, by the numbers that the formulas give."""
+"""Missed detections and false positives of scans, by the numbers of the formulas."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What bounds and critics are told of the drift is at what velocity items go."""
+"""Drift that bounds and critics receive is the velocity of items."""
 
 import numpy as np
 import pytest

@@ -22,7 +22,7 @@ from mjforage.scenario.schema import (
 
 @dataclass(frozen=True)
 class Mast:
-    """What carries the sails."""
+    """Carrier of the sails."""
 
     height_m: Annotated[float, Above(0, 50, "m"), source("survey")]
     """Above the deck."""
@@ -46,7 +46,7 @@ class Boat:
 
 @dataclass(frozen=True)
 class Record:
-    """What a run writes."""
+    """Output of a run."""
 
     __pydantic_config__ = OPEN
     count: int

@@ -15,7 +15,7 @@ COURSES = tuple(one.series_name() for one in chosen_metrics() if one.has_series(
 
 @dataclass(frozen=True)
 class Plan:
-    """What to make up."""
+    """Contents of a made-up episode."""
 
     policies: tuple[str, ...] = ("greedy", "levy")
     worlds: tuple[str, ...] = ("graph",)

@@ -1,4 +1,4 @@
-"""What horizon would have cleared the map: closed forms, and what the page says."""
+"""Horizon that would have cleared the map: closed forms, and the table of the page."""
 
 import math
 from collections.abc import Callable, Sequence

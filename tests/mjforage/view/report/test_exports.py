@@ -1,4 +1,4 @@
-"""What a paper takes from a report: tables and figures in the formats that were asked for."""
+"""Exports for a paper: tables and figures in the formats that were asked for."""
 
 import re
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""How hulls did, on decisions written by hand."""
+"""Performance of vessels, on decisions written by hand."""
 
 from collections.abc import Callable
 from pathlib import Path

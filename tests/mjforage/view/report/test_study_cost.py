@@ -1,4 +1,4 @@
-"""What the cost section of a study's page says, on records written by hand."""
+"""Cost section of a study's page, on records written by hand."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What parts of the belief planner are worth, and wrong worlds, in a study with known means."""
+"""Worth of parts of the belief planner, and wrong worlds, in a study with known means."""
 
 import numpy as np
 import pytest
