@@ -143,7 +143,7 @@ class Setup:
 
     @cached_property
     def corruption(self) -> Corruption:
-        """Whose actions are partly random."""
+        """Agents whose actions are partly random."""
         choice = self.scenario.corruption
         names = np.array(self.fleet.team_names)[self.fleet.team]
         epsilon = np.where(names == choice.team, choice.epsilon, 0.0)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from tests.layers.__main__ import REPOSITORY
 
-QUESTION = re.compile(r"\s*(What|Who|Whether|Where|How|Which|When|Why)\b")
+QUESTION = re.compile(r"\s*(What|Who|Whether|Where|How|Which|Whose|When|Why)\b")
 
 
 def _docstrings(tree: ast.AST) -> Iterator[ast.Constant]:

@@ -70,7 +70,7 @@ def _view(
 
 
 def _looked_at(array: NDArray[Any]) -> object:
-    """Whose memory an array looks at, read-only views included."""
+    """Owner of the memory of an array, read-only views included."""
     return array.base.obj if isinstance(array.base, memoryview) else array.base
 
 
