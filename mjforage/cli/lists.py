@@ -99,8 +99,7 @@ def maps(
     ----------
     map
         Name of a shipped map, harbour:KIND:SEED[:ROWSxCOLUMNS] for a generated one,
-        harbours:[KIND:]FIRST-LAST for several, or path of a table (CSV, text), an array (.npy), an
-        octile map, an ESRI grid or an image.
+        harbours:[KIND:]FIRST-LAST for several, or path of a table (CSV, text) or an image.
     water
         Cells of a file that are water, light or dark: pixels of an image, 1 or 0 of a table.
     set
@@ -109,22 +108,18 @@ def maps(
     output_file
         File to write: a picture, for example port.png, or the map itself as port.csv.
     """
-    from mjforage.base.cached import warn_once
     from mjforage.scenario.harbours import family, is_family
     from mjforage.scenario.map_files import shipped_maps
     from mjforage.scenario.maps import load_map
-    from mjforage.scenario.sizes import map_costs
 
     several = map is not None and is_family(map)
     names = family(map) if map and several else (map,) if map else shipped_maps()
-    scenario = _map_scenario(set, water)
-    rules = {name: getattr(scenario.map, name) for name in MAP_RULES}
+    choice = _map_scenario(set, water).map
+    rules = {name: getattr(choice, name) for name in MAP_RULES}
     grids = [load_map(name, **rules) for name in names]
     for grid in grids:
         rows, columns = grid.navigable.shape
         output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes")
-        if costs := map_costs(scenario, grid.name, grid.navigable.shape, grid.nodes):
-            warn_once(costs)
     if output_file is not None and map:
         _write(grids, output_file)
 

@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse import csgraph
 
 from mjforage.base.compiled import BoundKernel, inlined, kernel
 from mjforage.base.errors import UserError
@@ -161,6 +163,23 @@ def all_targets(
     strides, stride_number = np.unique(moves, return_inverse=True)
     targets = _targets(graph.neighbours, strides, rules.stay, rules.shorten)
     return stride_number.astype(np.int64), targets
+
+
+def reachable_share(graph: NavigationGraph, start: int, moves: int, rules: MoveRules) -> float:
+    """Share of the nodes on which moves from a node can end, itself included.
+
+    Two-node moves alone keep the parity of row and column, so in open water they reach a quarter.
+
+    Parameters
+    ----------
+    moves : nodes per decision
+    """
+    targets = all_targets(graph, np.array([moves]), rules)[1][0]
+    node, move = np.nonzero(targets >= 0)
+    ends = np.ones(node.size), (node, targets[node, move])
+    ways = sparse.csr_array(ends, shape=(len(graph), len(graph)))
+    reached = csgraph.breadth_first_order(ways, start, return_predecessors=False)
+    return len(reached) / len(graph)
 
 
 @kernel

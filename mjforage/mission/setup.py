@@ -6,14 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.cached import warn_once
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.mission.initial_state import InitialState, create_initial_state, nodes_around
 from mjforage.mission.link.reach import reach_m
-from mjforage.mission.moves import Corruption, MoveRules
+from mjforage.mission.moves import Corruption, MoveRules, reachable_share
 from mjforage.mission.task import Task
 from mjforage.scenario.maps import (
     GridMap,
@@ -21,11 +20,10 @@ from mjforage.scenario.maps import (
     grid_of,
     load_map,
     load_starts,
-    reachable_share,
 )
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
-from mjforage.scenario.sizes import check_memory, map_bytes, map_costs, mission_bytes
+from mjforage.scenario.sizes import check_memory, map_bytes, mission_bytes
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +57,6 @@ class Setup:
             grid = grid_of(cells.copy(), "array", **how)
         setup = cls(scenario, grid)
         setup.check_memory(1)
-        if costs := map_costs(scenario, grid.name, grid.navigable.shape, grid.nodes):
-            warn_once(costs)
         own = choice.starts is not None
         owner = f"scenario {scenario.name}" if own else "the .starts.csv beside the map"
         check_starts(setup.start_cells, grid.navigable, owner, choice.file)
@@ -99,18 +95,11 @@ class Setup:
     @property
     def reachable_shares(self) -> dict[str, float]:
         """Share of the nodes that each role can end a move on, from the first start (or node 0)."""
-        first = self.start_cells[0] if self.start_cells else self._first_node
-        choice, strict = self.scenario.map, not self.scenario.rules.shorten
+        first = int(self.start_nodes[0]) if self.start_nodes.size else 0
         return {
-            name: reachable_share(
-                self.grid.navigable, first, role.moves, strict, choice.corner_cutting
-            )
+            name: reachable_share(self.graph, first, role.moves, self.task.rules)
             for name, role in self.scenario.team.items()
         }
-
-    @property
-    def _first_node(self) -> tuple[int, int]:
-        return int(self.graph.rows[0]), int(self.graph.cols[0])
 
     @cached_property
     def graph(self) -> NavigationGraph:

@@ -5,7 +5,6 @@ Rows and columns are counted from 0, row 0 at the north edge, column 0 at the we
 
 import difflib
 import logging
-from collections.abc import Callable
 from pathlib import Path
 from typing import Literal
 
@@ -19,15 +18,12 @@ from mjforage.scenario.map_formats import (
     DARK,
     IMAGE_SUFFIXES,
     LIGHT,
-    Levels,
-    read_array,
     read_image,
-    read_text,
+    read_table,
 )
 
 WaterIs = Literal["light", "dark"]
 """Cells of a map file that are water."""
-DESCRIPTIONS = (".yaml", ".yml")
 
 logger = logging.getLogger(__name__)
 
@@ -87,10 +83,10 @@ def map_path(reference: str) -> Path:
 
 
 def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bool_]:
-    """Navigable cells (row, column) of a map file, in the format that its name or its content has.
+    """Navigable cells (row, column) of a map file, an image by the end of its name, or a table.
 
-    An image has a pixel per cell, an array (`.npy`) an entry, a text a number or a letter: see
-    `map_formats`. The light cells are water, of a table those with 1; unknown ones are land.
+    An image has a pixel per cell, a table a number: see `map_formats`. The light cells are water,
+    of a table those with 1; unknown ones are land.
 
     Parameters
     ----------
@@ -103,12 +99,8 @@ def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bo
     UserError
         If the file is unreadable, too large, empty or malformed.
     """
-    if path.suffix.lower() in DESCRIPTIONS:
-        raise UserError(
-            f"map {name}: only describes a map of map_server; give the image that its line "
-            "`image:` names (a .pgm)"
-        )
-    levels = _reader(path)(path, name)
+    read = read_image if path.suffix.lower() in IMAGE_SUFFIXES else read_table
+    levels = read(path, name)
     cells: NDArray[np.bool_] = levels == (LIGHT if water == "light" else DARK)
     edge = np.concatenate((cells[0], cells[-1], cells[:, 0], cells[:, -1]))
     if edge.all() and not cells.all():
@@ -117,11 +109,3 @@ def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bo
             *(name, "dark" if water == "light" else "light"),
         )
     return cells
-
-
-def _reader(path: Path) -> Callable[[Path, str], Levels]:
-    """The reader of a file's format."""
-    suffix = path.suffix.lower()
-    if suffix in IMAGE_SUFFIXES:
-        return read_image
-    return read_array if suffix == ".npy" else read_text

@@ -10,15 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
 from mjforage.base.views import read_only
-from mjforage.graph_planner.graph.geodesics import Int32Array
-from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.scenario.assets import models_folder
 from mjforage.scenario.harbours import harbour, harbour_cells, is_harbour
 from mjforage.scenario.map_files import WaterIs, is_shipped_map, map_path, read_cells
-from mjforage.scenario.map_formats import decoded
 
 Starts = tuple[tuple[int, int], ...]
 
@@ -203,7 +199,7 @@ def load_starts(reference: str) -> Starts | None:
     if not file.is_file():
         return None
     try:
-        lines = decoded(file.read_bytes()).splitlines()
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"starts {file.name}: cannot be read ({error})") from error
     starts = tuple(_start(line, i + 1, file.name) for i, line in enumerate(lines) if line.strip())
@@ -221,56 +217,3 @@ def _start(line: str, number: int, name: str) -> tuple[int, int]:
             f"starts {name}: line {number} is {found}, expected two whole numbers: row,column"
         ) from error
     return row, column
-
-
-@kernel
-def _count_reached(neighbours: Int32Array, start: int, moves: int, shorten: bool) -> int:
-    """Number of nodes on which moves from a node can end."""
-    reached = np.zeros(neighbours.shape[0], np.bool_)
-    queue = np.empty(neighbours.shape[0], np.int32)
-    queue[0], reached[start] = start, True
-    head, tail = 0, 1
-    while head < tail:
-        node = queue[head]
-        head += 1
-        for direction in range(8):
-            target, done = node, 0
-            while done < moves and neighbours[target, direction] >= 0:
-                target, done = neighbours[target, direction], done + 1
-            if (done == moves or shorten) and not reached[target]:
-                reached[target] = True
-                queue[tail] = target
-                tail += 1
-    return tail
-
-
-def reachable_share(
-    navigable: NDArray[np.bool_],
-    start_rc: tuple[int, int],
-    moves: int,
-    strict: bool,
-    corner_cutting: bool,
-) -> float:
-    """Share of the nodes on which a role can end a move, its start included.
-
-    Two-node moves alone keep the parity of row and column, so in open water they reach a quarter.
-
-    Parameters
-    ----------
-    navigable : (row, column) bool
-    start_rc : (row, column) of the start, counted from 0
-    moves : nodes per decision, straight on
-    strict : whether a move is illegal unless all its nodes are free, or ends before the first that
-        is not
-    corner_cutting : True if diagonal moves may pass land cells
-
-    Raises
-    ------
-    ValueError
-        If the start is not navigable.
-    """
-    if not navigable[start_rc]:
-        raise ValueError(f"start_rc: {start_rc} is not navigable")
-    graph = navigation_graph(navigable, 1.0, corner_cutting)
-    start = int(graph.node_of_cell[start_rc])
-    return _count_reached(graph.neighbours, start, moves, not strict) / len(graph)

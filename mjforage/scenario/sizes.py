@@ -10,9 +10,6 @@ from mjforage.graph_planner.graph.visibility import list_bytes
 from mjforage.scenario.scenario import Scenario
 
 GB = 1e9
-LARGE = 50_000  # nodes of a map, from which its cost is worth a word
-_PREPARED = 5e7  # bytes of a map's arrays made in a second, measured on a core of 2.5 GHz
-_STEPPED = 2e9  # bytes of an episode's maps gone through in a second, likewise
 _MOST = 1e24  # bytes that a message can name
 _NODE = 200  # bytes of the graph per node: neighbours, rows, columns, searches
 _BELIEF = 40  # bytes per node and episode: knowledge, ledger, and a policy's own map
@@ -93,27 +90,6 @@ def mission_bytes(
         each += (1 + owners) * nodes * _DENSITY
     frames = steps * shape[0] * shape[1] * _FRAME if recorded else 0
     return episodes * each + frames
-
-
-def map_costs(scenario: Scenario, name: str, shape: tuple[int, int], nodes: int) -> str:
-    """A line on the cost of a large map, empty for others.
-
-    Parameters
-    ----------
-    name : of the map
-    shape : (rows, columns) of it
-    nodes : navigable cells
-    """
-    if nodes < LARGE:
-        return ""
-    once = map_bytes(scenario, shape, nodes)
-    each = mission_bytes(scenario, shape, nodes, 1, recorded=False)
-    step_s = nodes * _BELIEF / _STEPPED
-    return (
-        f"map {name}: {nodes:,} nodes take about {once / GB:.2g} GB and {once / _PREPARED:.0f} s "
-        f"to prepare, then {each / GB:.2g} GB per episode at a time and {step_s:.1g} s per step of "
-        "it, and what policies take for so many"
-    )
 
 
 def table_bytes(episodes: int, horizon: int) -> int:

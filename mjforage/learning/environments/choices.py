@@ -99,7 +99,7 @@ def _path(value: object) -> str:
 
 
 def _cells(grid: NDArray[Any] | list[Any]) -> NDArray[np.bool_]:
-    """Water of an array, as of a file of `numpy.save`."""
+    """Water of an array of 0 and 1, or of 0 and 255; NaN is land."""
     try:
         array = np.asarray(grid)
     except ValueError as error:  # rows of several lengths
@@ -108,8 +108,7 @@ def _cells(grid: NDArray[Any] | list[Any]) -> NDArray[np.bool_]:
         words = "two axes, row and column, of booleans or of 0 and 1, 1 where there is water"
         raise UserError(f"map: an array of {array.dtype}, shape {array.shape}; give {words}")
     check_size(len(array), array.shape[1], "array")
-    values = array.astype(np.float64)
-    cells: NDArray[np.bool_] = levels_of(values, "array", np.isnan(values)) == LIGHT
+    cells: NDArray[np.bool_] = levels_of(np.nan_to_num(array.astype(float)), "array") == LIGHT
     return cells
 
 

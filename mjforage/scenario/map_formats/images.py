@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from mjforage.base.errors import UserError
-from mjforage.scenario.map_formats.levels import MOST_CELLS, UNKNOWN, Levels, check_size, levels_of
+from mjforage.scenario.map_formats.levels import MOST_CELLS, UNKNOWN, Levels, check_size
 
 IMAGE_SUFFIXES = (
     *(".png", ".jpg", ".jpeg", ".bmp", ".gif"),
@@ -22,7 +22,6 @@ SERVED = {0, 205, 254, 255}  # the greys that it writes: occupied, unknown, free
 COLOURED = 48  # between the largest and the least of red, green and blue: more than JPEG makes
 MANY = 0.01  # share of pixels that is worth a word
 BAND = 256  # rows whose colours are mixed at a time
-NO_DATA = 42113  # tag of a GeoTIFF (GDAL): the value of cells without one
 _BROKEN = OSError, ValueError, TypeError, SyntaxError, EOFError, ArithmeticError, LookupError
 """Raised by Pillow on damaged files."""
 
@@ -70,8 +69,7 @@ def read_image(path: Path, name: str) -> Levels:
 def _levels(image: Image.Image, name: str) -> Levels:
     plain = "transparency" not in image.info
     if image.mode == "F":
-        values = np.asarray(image, np.float64)
-        return levels_of(values, name, np.isnan(values) | (values == _no_data(image)))
+        raise ValueError("its pixels are real numbers; give whole ones")
     if image.mode == "1" and plain:
         return np.asarray(image).astype(np.int8)
     if image.mode == "L" and plain:
@@ -81,15 +79,8 @@ def _levels(image: Image.Image, name: str) -> Levels:
     return _colours(image, name)
 
 
-def _no_data(image: Image.Image) -> float:
-    """The value of cells without one, NaN if the file names none."""
-    tags = getattr(image, "tag_v2", {})
-    return float(str(tags.get(NO_DATA, "nan")).strip("\0 "))
-
-
 def _grey(values: NDArray[Any], top: int, image: Image.Image, name: str) -> Levels:
-    missing = values == _no_data(image)
-    if not missing.all() and values[~missing].max() <= 1:
+    if values.max() <= 1:
         levels: Levels = (values == 1).astype(np.int8)
     elif image.format == "PPM" or _is_served(values):
         darkness = 1.0 - values / top
@@ -97,7 +88,6 @@ def _grey(values: NDArray[Any], top: int, image: Image.Image, name: str) -> Leve
         levels = levels.astype(np.int8)
     else:
         levels = (values >= HALF[top]).astype(np.int8)
-    levels[missing] = UNKNOWN
     if (unknown := float((levels == UNKNOWN).mean())) > MANY:
         logger.warning(
             "map %s: %.0f %% of its pixels are unknown, as 205 of map_server is, and become land",

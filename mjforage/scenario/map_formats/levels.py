@@ -1,4 +1,4 @@
-"""Parts that the formats share: the largest map, and numbers of two values as light and dark."""
+"""Parts that the formats share: the largest map, and numbers as light and dark."""
 
 from collections.abc import Callable
 from typing import TypeAlias
@@ -12,7 +12,6 @@ Levels: TypeAlias = NDArray[np.int8]
 """(row, column) of `LIGHT`, `DARK` and `UNKNOWN`."""
 LIGHT, DARK, UNKNOWN = 1, 0, -1
 MOST_CELLS = 40_000_000  # rows times columns, beyond which the graph of a map fits no machine
-MOST_BYTES = 200_000_000  # of a text
 
 
 def check_size(rows: int, columns: int, name: str) -> None:
@@ -37,18 +36,13 @@ def check_size(rows: int, columns: int, name: str) -> None:
 
 
 def levels_of(
-    values: NDArray[np.float64],
-    name: str,
-    missing: NDArray[np.bool_] | None = None,
-    found: Callable[[int, int], tuple[str, str]] | None = None,
+    values: NDArray[np.float64], name: str, words: Callable[[int, int], str] = lambda r, c: ""
 ) -> Levels:
-    """Levels of numbers that are 0 and 1, or 0 and 255.
+    """Levels of numbers (row, column) that are 0 and 1, or 0 and 255.
 
     Parameters
     ----------
-    values : (row, column)
-    missing : (row, column) cells without a value, which are `UNKNOWN`
-    found : how errors quote a cell's value, and its place in the file beside row and column
+    words : how errors quote the cell of a row and column of the file; by default by its number
 
     Raises
     ------
@@ -56,18 +50,13 @@ def levels_of(
         Naming the first cell that is neither.
     """
     top = 255.0 if (values == 255.0).any() and not (values == 1.0).any() else 1.0
-    light = values == top
-    wrong = ~(light | (values == 0.0))
-    if missing is not None:
-        wrong &= ~missing
+    wrong = (values != 0.0) & (values != top)
     if wrong.any():
         row, column = divmod(int(wrong.argmax()), wrong.shape[1])
-        quoted, place = found(row, column) if found else (f"{values[row, column]:g}", "")
+        quoted = words(row, column) or f"{values[row, column]:g}"
         raise UserError(
             f"map {name}: row {row}, column {column} is {quoted}, expected 0 or {top:g} "
-            f"(counted from 0{place})"
+            "(counted from 0)"
         )
-    levels: Levels = light.astype(np.int8)
-    if missing is not None:
-        levels[missing] = UNKNOWN
+    levels: Levels = (values == top).astype(np.int8)
     return levels

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from PIL import Image
 
@@ -133,14 +132,3 @@ def test_a_map_in_parts_is_drawn_by_the_rules_it_is_played_by(
     assert "corner_cutting = 'perhaps'" in refused(
         "maps", "port.csv", "--set", "map.corner_cutting=perhaps"
     )
-
-
-def test_a_large_map_says_what_it_will_cost_before_anybody_plays(
-    command: Callable[..., Any], caplog: pytest.LogCaptureFixture
-) -> None:
-    np.save("wide_sea.npy", np.ones((550, 550), bool))
-    outcome = command("maps", "wide_sea.npy")
-    assert outcome.out == "wide_sea.npy: 550 x 550, 302500 nodes\n"
-    command("maps", "comb_port")
-    (line,) = caplog.messages
-    assert line.startswith("map wide_sea.npy: 302,500 nodes take about 0.2 GB and 4 s to prepare")

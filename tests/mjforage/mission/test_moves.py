@@ -5,7 +5,14 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
-from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver, free_move
+from mjforage.mission.moves import (
+    Corruption,
+    MoveRules,
+    Moves,
+    Resolver,
+    free_move,
+    reachable_share,
+)
 from mjforage.scenario.roles import Fleet, Role
 from tests.graph_planner.charts import grid
 
@@ -248,3 +255,10 @@ def test_each_agent_is_shut_in_by_its_own_stride(stay: bool, shorten: bool) -> N
                     assert (moves.direction[0, agent] == move and not moves.blocked[0, agent]) == (
                         end >= 0
                     ) or (move == STAY and end < 0 and moves.blocked[0, agent])
+
+
+def test_two_node_moves_alone_reach_a_quarter_of_open_water() -> None:
+    sea = navigation_graph(np.ones((60, 60), np.bool_), 1.0, False)
+    assert reachable_share(sea, 0, 2, PUBLISHED) == 0.25
+    assert reachable_share(sea, 0, 2, FREE) == 1.0
+    assert reachable_share(sea, 0, 1, PUBLISHED) == 1.0
