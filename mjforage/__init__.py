@@ -1,12 +1,24 @@
-"""mjforage: cooperative foraging by autonomous surface vehicles, one mission in two worlds."""
+"""mjforage: cooperative foraging by autonomous surface vehicles, one mission in two worlds.
+
+Everything here is documented in docs/python.md, and imported when it is first used.
+"""
 
 import os
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from mjforage.api.evaluating import compare, evaluate, load_run
+    from mjforage.api.missions import Mission, State, make_mission
+    from mjforage.api.names import names
+    from mjforage.api.run import Run
+    from mjforage.api.scenarios import Map, Scenario, load_scenario
+    from mjforage.api.view import View
+    from mjforage.base.errors import UserError
     from mjforage.learning.environments.parallel import ForagingParallelEnv
+    from mjforage.physics.vessels import Vessel, load_vessel
 
     __version__: str
 # This process is the command `mjforage`, or `python -m mjforage`.
@@ -18,14 +30,60 @@ if _is_module or Path(sys.argv[0]).stem == "mjforage":
         os.environ["PYTHONSAFEPATH"] = "1"  # nor do workers import from the present folder
     end_on_ctrl_c()  # before the rest is imported, which takes a fifth of a second
 
+_PLACES = {
+    "Map": "api.scenarios",
+    "Mission": "api.missions",
+    "Run": "api.run",
+    "Scenario": "api.scenarios",
+    "State": "api.missions",
+    "UserError": "base.errors",
+    "Vessel": "physics.vessels",
+    "View": "api.view",
+    "compare": "api.evaluating",
+    "evaluate": "api.evaluating",
+    "load_run": "api.evaluating",
+    "load_scenario": "api.scenarios",
+    "load_vessel": "physics.vessels",
+    "make_mission": "api.missions",
+    "names": "api.names",
+}
+"""Public name -> module that has it."""
 
-def __getattr__(name: str) -> str:
-    """`__version__`, which takes a while to find out."""
+__all__ = [
+    "Map",
+    "Mission",
+    "Run",
+    "Scenario",
+    "State",
+    "UserError",
+    "Vessel",
+    "View",
+    "compare",
+    "evaluate",
+    "load_run",
+    "load_scenario",
+    "load_vessel",
+    "make_mission",
+    "names",
+    "parallel_env",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, imported when it is first used; and `__version__`."""
+    if name in _PLACES:
+        found = getattr(import_module(f"mjforage.{_PLACES[name]}"), name)
+        globals()[name] = found
+        return found
     if name != "__version__":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib.metadata import version
 
     return version("mjforage")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, "__version__"})
 
 
 def parallel_env(**options: Any) -> "ForagingParallelEnv":

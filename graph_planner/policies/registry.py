@@ -29,6 +29,11 @@ def plays_weights(policy: WeightsPlayer) -> WeightsPlayer:
     return policy
 
 
+def weights_player() -> Callable[[Path], Policy]:
+    """Class that plays a file of weights."""
+    return _PLAYERS[-1]
+
+
 def policy_names() -> list[str]:
     """All names that are registered or that installed packages bring, sorted."""
     return POLICIES.names()
@@ -121,7 +126,10 @@ def create_policy(text: str) -> Policy:
 def outside_class(text: str) -> str:
     """`package.module:Class` of a policy that is not ours; "" for one of ours."""
     made = policy_class(text)
-    return "" if is_ours(made) else f"{made.__module__}:{getattr(made, '__qualname__', made)}"
+    put = policies_put([text])
+    return (
+        "" if put or is_ours(made) else f"{made.__module__}:{getattr(made, '__qualname__', made)}"
+    )
 
 
 def has_policy(text: str) -> bool:
@@ -148,6 +156,11 @@ def policy_import_spec(text: str) -> ImportSpec | None:
     """
     name = parse_reference(text, "policy").name
     return None if own_weights(name) else POLICIES.import_specs([name]).get(name)
+
+
+def policies_put(texts: Sequence[str]) -> dict[str, Callable[..., Policy]]:
+    """Classes of those policies that are objects of this process, by name without options."""
+    return POLICIES.put_here(parse_reference(text, "policy").name for text in texts)
 
 
 def add_policy(text: str, spec: ImportSpec) -> None:

@@ -71,6 +71,25 @@ class Registry(Generic[T]):
     ) -> None:
         self.kind, self.group, self.given, self.methods = kind, group, given, methods
         self._registered: dict[str, T] = {}
+        self._put: dict[str, T] = {}
+
+    def put(self, name: str, made: T) -> None:
+        """Make a class of this process known under a name, in the place of one put there before.
+
+        Other processes get it by value, not by its name.
+
+        Raises
+        ------
+        UserError
+            If the name is one that is registered or installed.
+        """
+        if self.has(name) and name not in self._put:
+            raise UserError(f"{self.kind} {name}: is the name of another; give yours another name")
+        self._put[name] = made
+
+    def put_here(self, names: Iterable[str]) -> dict[str, T]:
+        """Those of some names that `put` has made known."""
+        return {name: self._put[name] for name in names if name in self._put}
 
     def register(self, name: str) -> Callable[[M], M]:
         """Decorator that makes something known under a name.
@@ -103,7 +122,7 @@ class Registry(Generic[T]):
 
     def has(self, name: str) -> bool:
         """True if a name is registered or installed."""
-        return name in self._registered or name in self._entries
+        return name in self._put or name in self._registered or name in self._entries
 
     def find(self, name: str) -> T:
         """Part of a name without options; a registered one comes first.
@@ -116,6 +135,8 @@ class Registry(Generic[T]):
             If there is none of that name (the message offers the nearest), it cannot be imported,
             or is no class with the methods of its kind.
         """
+        if name in self._put:
+            return self._put[name]
         if name in self._registered:
             return self._registered[name]
         reference = name
@@ -191,7 +212,7 @@ class Registry(Generic[T]):
         UserError
             If one is of the script itself, which another process cannot import.
         """
-        found = {name: self.find(name) for name in names}
+        found = {name: self.find(name) for name in names if name not in self._put}
         return {
             name: self.import_spec(name, made) for name, made in found.items() if not is_ours(made)
         }

@@ -37,7 +37,7 @@ class ModelPolicy:
     """
 
     trained_on: ClassVar[str] = "mjforage/SharedPolicy-v0"
-    observation: ClassVar[str] = "egocentric"
+    observation: str = "egocentric"
 
     def __init__(self, files: Sequence[str | Path] = ()) -> None:
         """Name the files that the model is read from: they are then part of what a run is.

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,12 +35,15 @@ class Setup:
     grid: GridMap
 
     @classmethod
-    def of(cls, scenario: Scenario, cells: NDArray[np.bool_] | None = None) -> "Setup":
+    def of(
+        cls, scenario: Scenario, cells: NDArray[np.bool_] | None = None, name: str = "array"
+    ) -> Self:
         """Load the map and check that the scenario fits on it.
 
         Parameters
         ----------
         cells : (row, column) water, in the place of the scenario's map
+        name : of those cells
 
         Raises
         ------
@@ -54,7 +58,7 @@ class Setup:
         if cells is None:
             grid = load_map(choice.file, water=choice.water, **how)
         else:
-            grid = grid_of(cells.copy(), "array", **how)
+            grid = grid_of(cells.copy(), name, **how)
         setup = cls(scenario, grid)
         setup.check_memory(1)
         own = choice.starts is not None

@@ -98,6 +98,8 @@ def outside_code(made: Callable[..., Any]) -> Code:
     """
     if is_ours(made):
         return Code({}, {})
+    if source := getattr(made, "source_hash", ""):  # of a policy that was given as an object
+        return Code({made.__name__: source}, {})
     name, path = made.__module__.partition(".")[0], _file(made.__module__.partition(".")[0])
     if path is None:  # a folder without an __init__.py
         name, path = made.__module__, _file(made.__module__)

@@ -16,13 +16,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+import cloudpickle
 import numpy as np
 
 from mjforage.base.atomic_files import write_bytes, write_errors
 from mjforage.base.errors import UserError
 from mjforage.base.registry import ImportSpec, blamed, trust, trusted
 from mjforage.graph_planner.policies import create_policy
-from mjforage.graph_planner.policies.registry import add_policy
+from mjforage.graph_planner.policies.registry import POLICIES, add_policy, policies_put
 from mjforage.mission.scoring import (
     Metric,
     Scorer,
@@ -66,6 +67,7 @@ class Job:
     specs: tuple[tuple[str, ImportSpec], ...] = ()  # of policies, for other processes
     code: tuple[tuple[str, str], ...] = ()  # package or library -> hash or version, to agree with
     trusted: tuple[str, ...] = ()  # code that the user named, which weights may name
+    objects: bytes = b""  # name -> class of policies that are objects, as cloudpickle has them
 
     @classmethod
     def of(
@@ -98,6 +100,7 @@ class Job:
             policy_import_specs(policies) if workers.elsewhere else (),
             _code(policies, worlds, taken),
             trusted() if workers.elsewhere else (),
+            _packed(policies) if workers.elsewhere else b"",
         )
 
 
@@ -112,6 +115,21 @@ def _code(
         return tuple(outside_code_of(policies, metrics).hashes.items())
     code = run_code(policies, worlds, metrics)
     return tuple({**versions(code), **code.hashes}.items())
+
+
+def _packed(policies: Sequence[str]) -> bytes:
+    """Policies that are objects, by value: worker processes could not import them.
+
+    They go from this process to its workers and are in no file.
+    """
+    put = policies_put(policies)
+    try:
+        return bytes(cloudpickle.dumps(put)) if put else b""
+    except Exception as error:
+        raise UserError(
+            f"policy {', '.join(put)}: cannot be sent to worker processes ({error}); compute with "
+            "jobs=1, or let it hold no files, locks or generators"
+        ) from error
 
 
 class Episode(NamedTuple):
@@ -178,6 +196,13 @@ def is_recorded(folder: Path, one: Episode) -> bool:
         return zipfile.is_zipfile(path)  # not if missing or truncated
 
 
+@lru_cache(maxsize=1)
+def _receive(objects: bytes) -> None:
+    """Make policies known that another process has packed; the last ones stay."""
+    for name, made in cloudpickle.loads(objects).items():
+        POLICIES.put(name, made)
+
+
 def _done(job: Job, do: Callable[[Setup], None]) -> str | None:
     """Do a part of a job.
 
@@ -189,6 +214,8 @@ def _done(job: Job, do: Callable[[Setup], None]) -> str | None:
     try:
         if job.parent is not None and os.getpid() != job.parent:
             _die_with(job.parent)
+        if job.objects and job.parent != os.getpid():
+            _receive(job.objects)
         do(_setup(job))
     except UserError as error:
         return str(error)

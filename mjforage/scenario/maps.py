@@ -7,7 +7,7 @@ import logging
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from mjforage.base.errors import UserError
@@ -15,6 +15,7 @@ from mjforage.base.views import read_only
 from mjforage.scenario.assets import models_folder
 from mjforage.scenario.harbours import harbour, harbour_cells, is_harbour
 from mjforage.scenario.map_files import WaterIs, is_shipped_map, map_path, read_cells
+from mjforage.scenario.map_formats.levels import LIGHT, check_size, levels_of
 
 Starts = tuple[tuple[int, int], ...]
 
@@ -79,6 +80,26 @@ def load_map(
     path = map_path(reference)
     name = path.stem if path.parent == models_folder() / "maps" else path.name
     return grid_of(read_cells(path, name, water), name, corner_cutting, largest_component)
+
+
+def water_of_array(grid: ArrayLike) -> NDArray[np.bool_]:
+    """Water (row, column) of an array of 0 and 1, or of 0 and 255; NaN is land.
+
+    Raises
+    ------
+    UserError
+        If it has not two axes, or holds something else.
+    """
+    try:
+        array = np.asarray(grid)
+    except ValueError as error:  # rows of several lengths
+        raise UserError(f"map: no array (row, column); {error}") from error
+    if array.ndim != 2 or array.dtype.kind not in "buif":
+        words = "two axes, row and column, of booleans or of 0 and 1, 1 where there is water"
+        raise UserError(f"map: an array of {array.dtype}, shape {array.shape}; give {words}")
+    check_size(len(array), array.shape[1], "array")
+    cells: NDArray[np.bool_] = levels_of(np.nan_to_num(array.astype(float)), "array") == LIGHT
+    return cells
 
 
 def grid_of(

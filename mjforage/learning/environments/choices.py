@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
 from mjforage.scenario.harbours import is_harbour
-from mjforage.scenario.map_formats.levels import LIGHT, check_size, levels_of
+from mjforage.scenario.maps import water_of_array
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import load_scenario, with_overrides, with_values
 
@@ -45,13 +44,18 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
 
     Raises `UserError` if one of them is of another type, or the scenario is not a valid one.
     """
+    told = list(_told(overrides))
+    if isinstance(scenario, Setup):
+        if grid is None and not told:
+            return scenario
+        grid = scenario.grid.navigable if grid is None else grid
+        scenario = scenario.scenario
     if not isinstance(scenario, str | Path | Scenario):
         raise _unknown("scenario", scenario, "a preset's name, a TOML file or a Scenario")
     found = scenario if isinstance(scenario, Scenario) else load_scenario(str(scenario))
-    told = list(_told(overrides))
     cells = None
     if isinstance(grid, np.ndarray | list):
-        cells = _cells(grid)
+        cells = water_of_array(grid)
         found = with_values(found, {"map.starts": []}, "map")
     elif isinstance(grid, str | Path):
         starts: dict[str, object] = {"map.starts": []} if is_harbour(str(grid)) else {}
@@ -96,20 +100,6 @@ def _path(value: object) -> str:
     if isinstance(value, Path):
         return str(value)
     raise TypeError(type(value).__name__)
-
-
-def _cells(grid: NDArray[Any] | list[Any]) -> NDArray[np.bool_]:
-    """Water of an array of 0 and 1, or of 0 and 255; NaN is land."""
-    try:
-        array = np.asarray(grid)
-    except ValueError as error:  # rows of several lengths
-        raise UserError(f"map: no array (row, column); {error}") from error
-    if array.ndim != 2 or array.dtype.kind not in "buif":
-        words = "two axes, row and column, of booleans or of 0 and 1, 1 where there is water"
-        raise UserError(f"map: an array of {array.dtype}, shape {array.shape}; give {words}")
-    check_size(len(array), array.shape[1], "array")
-    cells: NDArray[np.bool_] = levels_of(np.nan_to_num(array.astype(float)), "array") == LIGHT
-    return cells
 
 
 def _unknown(name: str, value: object, remedy: str) -> UserError:

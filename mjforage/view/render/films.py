@@ -92,9 +92,7 @@ def render_recording(
         written.
     """
     check_target(path, fps)
-    name = camera or ("top" if recording.world == "graph" else "overview")
-    if name not in CAMERAS:
-        raise UserError(f"camera {name}: unknown; {nearest(name, CAMERAS)}")
+    name = _camera_of(recording, camera)
     if speed is None:
         speed = CAMERAS[name].steps_per_film_s * recording.period_s
     shown = [as_seen_by(each, seen_by) for each in (recording, beside) if each is not None]
@@ -106,16 +104,58 @@ def render_recording(
     times = times[:1] if still else times
     frame_size = _checked_size(size)
     with ExitStack() as opened:
-        if (recording.world, name) != ("graph", "top"):
-            detail = _STILL_DETAIL if still else 1
-            film = _through_mujoco(shown, frame_size, name, follow, speed, detail, opened)
-        else:
-            if follow is not None:
-                raise UserError(
-                    f"follow {follow}: camera top follows nobody; choose chase or scout"
-                )
-            film = map_film(shown, frame_size)
+        how = name, follow, speed, _STILL_DETAIL if still else 1
+        film = _film_frames(shown, frame_size, *how, opened)
         return write_video(_frames(film, times, progress), path, fps)
+
+
+def render_frame(
+    recording: Recording,
+    time_s: float = 0.0,
+    *,
+    camera: str | None = None,
+    follow: str | None = None,
+    seen_by: str = EVERYBODY,
+    size: Size = (None, None),
+) -> NDArray[np.uint8]:
+    """One frame, (height, width, 3) red, green, blue; parameters and errors as `render_recording`.
+
+    Parameters
+    ----------
+    time_s : simulated time
+    """
+    name = _camera_of(recording, camera)
+    speed = CAMERAS[name].steps_per_film_s * recording.period_s
+    shown = [as_seen_by(recording, seen_by)]
+    [time, *_] = frame_times(shown[0], start_s=time_s, fps=1.0, speed=speed)
+    with ExitStack() as opened:
+        how = name, follow, speed, _STILL_DETAIL
+        return _film_frames(shown, _checked_size(size), *how, opened).frame(float(time)).copy()
+
+
+def _camera_of(recording: Recording, camera: str | None) -> str:
+    """Name of a point of view, by default that of the recording's world."""
+    name = camera or ("top" if recording.world == "graph" else "overview")
+    if name not in CAMERAS:
+        raise UserError(f"camera {name}: unknown; {nearest(name, CAMERAS)}")
+    return name
+
+
+def _film_frames(
+    shown: list[Recording],
+    size: tuple[int, int],
+    camera: str,
+    follow: str | None,
+    speed: float,
+    detail: int,
+    opened: ExitStack,
+) -> FilmFrame:
+    """Frames of one episode or of two, by the drawing for their world and camera."""
+    if (shown[0].world, camera) != ("graph", "top"):
+        return _through_mujoco(shown, size, camera, follow, speed, detail, opened)
+    if follow is not None:
+        raise UserError(f"follow {follow}: camera top follows nobody; choose chase or scout")
+    return map_film(shown, size)
 
 
 def frame_times(

@@ -1,0 +1,154 @@
+"""`evaluate`, `compare` and `load_run`: runs of policies on the same episodes."""
+
+import os
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from mjforage.api.players import player_names
+from mjforage.api.progress import bar
+from mjforage.api.run import Run
+from mjforage.api.scenarios import Named, scenario_of
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
+from mjforage.physics.worlds import ladder_of
+from mjforage.runs.evaluate import evaluate as run_evaluate
+from mjforage.runs.resuming import Resume
+from mjforage.runs.selection import USUAL
+from mjforage.runs.workers import Workers
+
+World = Literal["graph", "hulls", "calibrated", "debris", "intake", "physics"]
+
+
+def evaluate(
+    scenario: Setup | Named,
+    policies: object,
+    *,
+    episodes: int = 100,
+    seed: int = 0,
+    world: World | Sequence[World] = "graph",
+    jobs: int = 1,
+    folder: Named | None = None,
+    metrics: Sequence[str] = (),
+    record: Sequence[str | int] = USUAL,
+    resume: Resume = "same",
+    workers: Workers | None = None,
+    progress: bool | Callable[[int, int], None] | None = None,
+    **changes: Any,
+) -> Run:
+    """Play policies on the same episodes of a scenario.
+
+    The numbers depend on scenario, policies and seed alone, not on `jobs` or `folder`. Ctrl-C ends
+    it within a second and returns what is finished; `Run.complete` is then False.
+
+    Parameters
+    ----------
+    scenario : of `load_scenario`, a shipped name, or a TOML file
+    policies : one, a list, or a dict of name -> policy; each a name with options such as
+        ``"greedy(distance=2)"``, a class or object with `reset` and `act`, a function of a `View`,
+        a file of weights (``.safetensors``), or a loaded model of Stable-Baselines3
+    episodes : for each policy and world
+    seed : 0 to 2**64 - 1; episode i is the same for every policy and world
+    world : one world or several; see `mf.names("worlds")`
+    jobs : processes
+    folder : run folder, as the command line writes it; what it holds of the same run is resumed.
+        None: nothing is left on disk
+    metrics : ``package.module:Class`` of metrics besides ours
+    record : episodes to record for reports and films: numbers, first, median, worst, best
+    resume : "same", "fresh" or "accept-code-change", for what the folder holds
+    workers : a dask cluster instead of `jobs`
+    progress : True shows a bar, a function is called with (done, total); None: a bar where a
+        person is watching
+    changes : as of `Scenario.replace`
+
+    Raises
+    ------
+    UserError
+        For names, values and files that cannot be used, each in a line.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> run = mf.evaluate("open-bay", ["greedy", "levy"], episodes=2, horizon=20)
+    >>> run.episodes.height
+    4
+    """
+    names = player_names(policies)
+    setup = scenario_of(scenario, changes)
+    worlds = (world,) if isinstance(world, str) else tuple(world)
+    kept = None if folder is not None else tempfile.TemporaryDirectory(prefix="mjforage-")
+    target = Path(folder) if folder is not None else Path(kept.name) / "run"  # type: ignore[union-attr]
+    options: dict[str, Any] = {"episodes": episodes, "seed": seed, "worlds": worlds}
+    options |= {"metrics": tuple(metrics), "kept": tuple(record), "resume": resume}
+    _check_whole(episodes=episodes, seed=seed, jobs=jobs)
+    try:
+        with bar("evaluate", "episodes", progress) as shown:
+            run_evaluate(
+                setup,
+                names,
+                target,
+                workers=workers or Workers(jobs),
+                progress=shown,
+                **options,
+            )
+    except KeyboardInterrupt:
+        if not (target / "run.json").is_file():
+            raise
+    return Run(target, kept)
+
+
+def compare(
+    scenario: Setup | Named,
+    policies: object,
+    *,
+    episodes: int = 20,
+    ladder: bool = False,
+    **options: Any,
+) -> Run:
+    """Play policies on the same episodes at graph level and in MuJoCo.
+
+    Parameters
+    ----------
+    scenario, policies : as of `evaluate`
+    episodes : for each policy and world
+    ladder : also the fidelity levels between, each with one effect more
+    options : all others of `evaluate` but `world`
+
+    Raises
+    ------
+    UserError
+        As `evaluate`.
+    """
+    if "world" in options:
+        raise UserError("compare takes no world; give evaluate(..., world=[...]) those you want")
+    names = {"jobs", "seed", "folder", "metrics", "record", "resume", "workers", "progress"}
+    changes = {key: options.pop(key) for key in list(options) if key not in names}
+    setup = scenario_of(scenario, changes)
+    worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
+    return evaluate(setup, policies, episodes=episodes, world=worlds, **options)  # type: ignore[arg-type]
+
+
+def load_run(folder: Named, *, policies: object = ()) -> Run:
+    """Open a run folder, of this package or its command line.
+
+    Parameters
+    ----------
+    policies : those of the run that were objects of the process that made it, for its films
+
+    Raises
+    ------
+    UserError
+        If it is no run folder, or a file in it is damaged.
+    """
+    if not isinstance(folder, str | os.PathLike):
+        raise TypeError(f"folder is {type(folder).__name__}; give a path")
+    if policies:
+        player_names(policies)
+    return Run(Path(folder))
+
+
+def _check_whole(**numbers: object) -> None:
+    for name, value in numbers.items():
+        if isinstance(value, bool) or not hasattr(value, "__index__"):
+            raise TypeError(f"{name} is {type(value).__name__}; give a whole number")

@@ -1,0 +1,131 @@
+"""Policies in the forms that a user of Python has them, as names that a run knows."""
+
+import copy
+import inspect
+import reprlib
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from mjforage.api.functions import policy_of_function
+from mjforage.api.sources import source_hash
+from mjforage.base.errors import UserError
+from mjforage.base.registry import is_ours
+from mjforage.graph_planner.policies.registry import POLICIES, own_weights, weights_player
+from mjforage.mission.policy import Policy
+
+FORMS = (
+    'a name such as "greedy", a class or an object with `reset` and `act`, a function of one view, '
+    'a file "NAME.safetensors", or a model with `predict`'
+)
+_HANDED = ("set_ground_truth", "parts", "libraries")
+"""Attributes of a policy's class by which a run tells what it is."""
+
+
+def player_names(policies: Any) -> list[str]:
+    """References to policies; what is not a name becomes one, known in this process.
+
+    Parameters
+    ----------
+    policies : one policy, several in a list, or a dict of name -> policy
+
+    Raises
+    ------
+    UserError
+        If one is in no form that is known, or its name is that of another.
+    """
+    if isinstance(policies, Mapping):
+        return [_reference(one, str(name)) for name, one in policies.items()]
+    several = isinstance(policies, Iterable) and not isinstance(policies, str | Path)
+    return [_reference(one, "") for one in (policies if several else [policies])]
+
+
+def _reference(policy: Any, name: str) -> str:
+    if isinstance(policy, str | Path):
+        return _of_text(str(policy), name)
+    if inspect.isclass(policy):
+        if not name and _importable(policy):
+            return _import_name(policy)
+        return _put(_of_class(policy, name or policy.__name__))
+    if callable(getattr(policy, "act", None)) and callable(getattr(policy, "reset", None)):
+        return _put(_of_object(policy, name or type(policy).__name__))
+    if callable(getattr(policy, "predict", None)):
+        from mjforage.api.models import policy_of_model
+
+        return _put(policy_of_model(policy, name or type(policy).__name__))
+    if callable(policy):
+        return _put(policy_of_function(policy, name or getattr(policy, "__name__", "")))
+    raise UserError(f"policy {reprlib.repr(policy)}: is {type(policy).__name__}; give {FORMS}")
+
+
+def _put(made: type) -> str:
+    name = made.__name__
+    if not name.replace("_", "").replace("-", "").isalnum():
+        remedy = 'give it a name of letters and digits, as in {"my-policy": policy}'
+        raise UserError(f"policy {name!r}: {remedy}")
+    POLICIES.put(name, made)
+    return name
+
+
+def _of_text(text: str, name: str) -> str:
+    if name and not text.endswith(".safetensors"):
+        raise UserError(f"policy {name}: is {text}, which has its name; give it in a list")
+    if text.endswith(".zip"):
+        raise UserError(
+            f"policy {text}: such files hold pickles, which are code; load the model with its own "
+            'class, such as MaskablePPO.load("model.zip"), and give the model'
+        )
+    return _of_weights(Path(text), name) if text.endswith(".safetensors") else text
+
+
+def _of_weights(path: Path, name: str) -> str:
+    if not path.is_file():
+        raise UserError(f"policy {path}: there is no such file; train weights, or mend the path")
+    name = name or path.stem
+    if own_weights(name) == path.resolve():
+        return name
+    player, place = weights_player(), path.resolve()
+    members = {"__new__": lambda cls: player(place), "__module__": "__main__"}
+    return _put(type(name, (), {**_handed(player), **members, "source_hash": "weights"}))
+
+
+def _of_class(made: type, name: str) -> type:
+    """The class under a name; where it has another, a subclass."""
+    return type(name, (made,), {"__module__": made.__module__, "source_hash": source_hash(made)})
+
+
+def _of_object(policy: Policy, name: str) -> type:
+    """Class that makes copies of an object: every batch of episodes has one of its own."""
+    kind = type(policy)
+    try:
+        prototype = copy.deepcopy(policy)
+    except Exception as error:
+        raise UserError(
+            f"policy {name}: cannot be copied ({type(error).__name__}: {error}), which every batch "
+            "of episodes asks for; give its class, or let it be copied"
+        ) from error
+    members = {
+        "__new__": lambda cls: copy.deepcopy(prototype),
+        "__module__": kind.__module__,
+        "__doc__": kind.__doc__,
+        "reset": kind.reset,
+        "act": kind.act,
+        "source_hash": source_hash(kind, vars(policy)),
+    }
+    return type(name, (), {**_handed(kind), **members})
+
+
+def _handed(made: Callable[..., Policy]) -> dict[str, Any]:
+    return {one: getattr(made, one) for one in _HANDED if hasattr(made, one)}
+
+
+def _importable(made: type) -> bool:
+    """True if worker processes can import a class by its name."""
+    module = sys.modules.get(made.__module__)
+    return made.__module__ != "__main__" and getattr(module, made.__qualname__, None) is made
+
+
+def _import_name(made: type) -> str:
+    shipped = [name for name in POLICIES.ours() if POLICIES.find(name) is made]
+    return shipped[0] if is_ours(made) and shipped else f"{made.__module__}:{made.__qualname__}"

@@ -1,0 +1,39 @@
+"""Progress of a call: a bar where a person is watching, else nothing."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+Report = Callable[[int, int], None]
+
+
+def is_watched() -> bool:
+    """True in a terminal or a notebook."""
+    return "ipykernel" in sys.modules or (sys.stderr is not None and sys.stderr.isatty())
+
+
+@contextmanager
+def bar(words: str, unit: str, wanted: bool | Report | None) -> Iterator[Report]:
+    """Show the share that is done.
+
+    Parameters
+    ----------
+    words : name of the work, such as "evaluate"
+    unit : counted unit, such as "episodes"
+    wanted : True shows a bar, a function is called itself; None: a bar where a person is watching
+
+    Yields
+    ------
+    what is called with (done, total)
+    """
+    if callable(wanted):
+        yield wanted
+    elif not (is_watched() if wanted is None else wanted):
+        yield lambda done, total: None
+    else:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        with Progress(console=Console(stderr=True), transient=True) as shown:
+            task = shown.add_task(f"{words}, {unit}", total=None)
+            yield lambda done, total: shown.update(task, completed=done, total=total)

@@ -1,0 +1,281 @@
+"""Scenarios and maps as a user of Python has them: names, files, arrays and objects."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import tomli_w
+from numpy.typing import ArrayLike, NDArray
+
+from mjforage.base.atomic_files import atomic_write
+from mjforage.mission.setup import Setup
+from mjforage.scenario import scenario_file
+from mjforage.scenario.harbours import is_harbour
+from mjforage.scenario.map_files import WaterIs, is_shipped_map, write_table
+from mjforage.scenario.maps import GridMap, Starts, load_map, load_starts, water_of_array
+from mjforage.scenario.scenario import Scenario as Settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Named = str | os.PathLike[str]
+
+
+class Map:
+    """A grid of water and land, north up, with its pitch and starts; immutable.
+
+    Parameters
+    ----------
+    water : array (rows, columns), True where there is water; or the name of a shipped map, of a
+        generated harbour such as ``harbour:combs:7``, or a file (CSV table, grid or image)
+    pitch_m : distance between the centres of neighbouring nodes [m]
+    starts : (row, column) of the starts, assigned to agents at random; None: those beside a file,
+        else a random cluster
+    name : for tables and pages; by default that of the file
+    water_is : pixels of a file that are water, "light" or "dark"
+
+    Raises
+    ------
+    UserError
+        If the map cannot be read, has no water, or is not one component.
+
+    Examples
+    --------
+    >>> import mjforage as mf, numpy as np
+    >>> mf.Map(np.ones((20, 30), bool), pitch_m=2.0)
+    Map(array, 20 x 30 at 2 m, 600 nodes)
+    """
+
+    def __init__(
+        self,
+        water: Named | ArrayLike,
+        *,
+        pitch_m: float = 4.0,
+        starts: Starts | None = None,
+        name: str | None = None,
+        water_is: WaterIs = "light",
+    ) -> None:
+        if isinstance(water, str | os.PathLike):
+            grid, beside = load_map(os.fspath(water), water=water_is), load_starts(os.fspath(water))
+        else:
+            grid, beside = GridMap("array", water_of_array(water)), None
+        self._grid = GridMap(name or grid.name, grid.navigable)
+        self._starts = starts if starts is not None else beside
+        self._pitch_m = float(pitch_m)
+
+    @property
+    def name(self) -> str:
+        """Name for tables and pages."""
+        return self._grid.name
+
+    @property
+    def water(self) -> NDArray[np.bool_]:
+        """(row, column) True where there is water; read-only."""
+        return self._grid.navigable
+
+    @property
+    def pitch_m(self) -> float:
+        """Distance between the centres of neighbouring nodes [m]."""
+        return self._pitch_m
+
+    @property
+    def starts(self) -> Starts:
+        """(row, column) of the starts; empty: a random cluster."""
+        return tuple((int(row), int(column)) for row, column in self._starts or ())
+
+    def plot(self) -> "Figure":
+        """Figure of the map, north up, with its starts and a scale."""
+        from mjforage.view.figures.map_pictures import map_figure
+
+        return map_figure(self._grid, self.starts, pitch_m=self.pitch_m)
+
+    def to_file(self, path: Named) -> Path:
+        """Write the water as a CSV table, and the starts beside it.
+
+        Raises
+        ------
+        UserError
+            If a file cannot be written.
+        """
+        target = Path(path)
+        write_table(self.water, target)
+        if self.starts:
+            with atomic_write(target.with_name(f"{target.stem}.starts.csv")) as beside:
+                beside.write_text("".join(f"{row},{column}\n" for row, column in self.starts))
+        return target
+
+    def __repr__(self) -> str:
+        rows, columns = self.water.shape
+        size = f"{rows} x {columns} at {self.pitch_m:g} m"
+        return f"Map({self.name}, {size}, {self._grid.nodes} nodes)"
+
+
+class Scenario(Setup):
+    """A scenario with its map, checked; immutable.
+
+    Made by `load_scenario` and `Scenario.replace`. Its keys are those of a scenario file, see
+    docs/reference/scenario.md.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> mf.load_scenario("comb-port", horizon=60)
+    Scenario(comb-port, 45 x 55 at 4 m, 2 scouts + 2 foragers, 60 decisions of 10 s)
+    """
+
+    @property
+    def name(self) -> str:
+        """Name, which tables and folders have."""
+        return self.scenario.name
+
+    @property
+    def map(self) -> Map:
+        """The map with its pitch and starts."""
+        how: dict[str, Any] = {"pitch_m": self.scenario.map.pitch_m, "starts": self.start_cells}
+        return Map(self.grid.navigable, name=self.grid.name, **how)
+
+    def replace(
+        self, *, map: "Map | Named | ArrayLike | None" = None, **changes: Any
+    ) -> "Scenario":
+        """The scenario with other values of some keys; tables as dicts, of which the rest stays.
+
+        Parameters
+        ----------
+        map : another grid: a `Map`, a name, a file, or an array (rows, columns), True for water
+        changes : keys of a scenario file, such as ``horizon=60`` or
+            ``weather={"wind_speed_mps": 5.0}``; vessels of teams are
+            ``physics={"vessels": {"scouts": "otter"}}``, by name, file or `Vessel`
+
+        Raises
+        ------
+        UserError
+            For an unknown key, a wrong type, or a value out of range.
+        """
+        return _changed(self.scenario, self.grid, map, changes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All keys with their values, defaults included; tables as dicts. A copy."""
+        return scenario_file.scenario_to_tree(self.scenario)
+
+    def to_file(self, path: Named) -> Path:
+        """Write a scenario file, with the map beside it unless it ships or can be generated.
+
+        Raises
+        ------
+        UserError
+            If a file cannot be written.
+        """
+        target = Path(path)
+        tree = _present(self.to_dict())
+        file = self.scenario.map.file
+        if not (is_shipped_map(file) or is_harbour(file)):
+            table = self.map.to_file(target.with_name(f"{target.stem}.map.csv"))
+            tree["map"] |= {"file": table.name, "water": "light"}
+        tree["map"]["starts"] = [list(cell) for cell in self.start_cells]
+        vessels = tree["physics"].get("vessels", {})
+        tree["physics"]["vessels"] = {team: _absolute(one) for team, one in vessels.items()}
+        with atomic_write(target) as beside:
+            beside.write_text(tomli_w.dumps(tree), encoding="utf-8")
+        return target
+
+    def __repr__(self) -> str:
+        rows, columns = self.grid.navigable.shape
+        settings = self.scenario
+        return (
+            f"Scenario({self.name}, {rows} x {columns} at {settings.map.pitch_m:g} m, "
+            f"{' + '.join(f'{role.count} {team}' for team, role in settings.team.items())}, "
+            f"{settings.horizon} decisions of {settings.period_s:g} s)"
+        )
+
+
+def load_scenario(
+    reference: Named = "comb-port", *, map: Map | Named | ArrayLike | None = None, **changes: Any
+) -> Scenario:
+    """Read a scenario that ships, or a file, and change some of its keys.
+
+    Parameters
+    ----------
+    reference : name of a shipped scenario (`mf.names("scenarios")`), or a TOML file
+    map, changes : as of `Scenario.replace`
+
+    Raises
+    ------
+    UserError
+        If there is none of that name, or it is not valid.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> windy = mf.load_scenario("open-bay", weather={"wind_speed_mps": 5.0})
+    >>> windy.to_dict()["weather"]["wind_speed_mps"]
+    5.0
+    """
+    if not isinstance(reference, str | os.PathLike):
+        raise TypeError(f"scenario is {type(reference).__name__}; give a name or a TOML file")
+    return _changed(scenario_file.load_scenario(os.fspath(reference)), None, map, changes)
+
+
+def scenario_of(given: "Setup | Named", changes: Mapping[str, Any]) -> Setup:
+    """A scenario given as an object, a name or a file, with some keys changed."""
+    if isinstance(given, Scenario):
+        return given.replace(**changes) if changes else given
+    return load_scenario(given, **changes)  # type: ignore[arg-type]
+
+
+def _changed(
+    scenario: Settings,
+    grid: GridMap | None,
+    chosen: Any,
+    changes: Mapping[str, Any],
+) -> Scenario:
+    values = dict(_flat("", changes))
+    if isinstance(chosen, str | os.PathLike):
+        file, grid = os.fspath(chosen), None
+        values = {"map.file": file, "map.water": "light"} | values
+        if is_harbour(file):
+            values = {"map.starts": []} | values
+    elif chosen is not None:
+        pitch_m = values.get("map.pitch_m", scenario.map.pitch_m)
+        found = chosen if isinstance(chosen, Map) else Map(chosen, pitch_m=pitch_m)
+        grid = GridMap(found.name, found.water)
+        starts = [list(cell) for cell in found.starts]
+        own = {"map.file": found.name, "map.pitch_m": found.pitch_m, "map.starts": starts}
+        values = own | values
+    elif "map.file" in values:
+        grid = None
+    changed = scenario_file.with_values(scenario, values, f"scenario {scenario.name}")
+    if grid is None:
+        return Scenario.of(changed)
+    return Scenario.of(changed, grid.navigable, grid.name)
+
+
+def _flat(start: str, changes: Mapping[str, Any]) -> "list[tuple[str, Any]]":
+    """Keys with dots, and their values as a file has them."""
+    found: list[tuple[str, Any]] = []
+    for key, value in changes.items():
+        if isinstance(value, Mapping):
+            found += _flat(f"{start}{key}.", value)
+        else:
+            found.append((f"{start}{key}", _plain(value)))
+    return found
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    return [_plain(one) for one in value] if isinstance(value, list | tuple) else value
+
+
+def _present(tree: Any) -> Any:
+    """The tree without keys that are absent."""
+    if isinstance(tree, dict):
+        return {key: _present(value) for key, value in tree.items() if value is not None}
+    return tree
+
+
+def _absolute(vessel: str) -> str:
+    return str(Path(vessel).resolve()) if vessel.endswith(".toml") else vessel
