@@ -1,10 +1,9 @@
-"""Connectivity maintenance over a limited link: reports, meeting places and relay positions.
+"""Connectivity maintenance over a limited link: reports and relay positions.
 
 An agent that plans by its own knowledge knows the step of its newest scan from each other agent,
 and assumes that they know as much of it. Scouts with news of items return to foragers that have
-nothing left to do, as far as they know; those wait where they last had contact, then at a meeting
-place agreed before, in the middle of the map, and search by themselves after a long wait. Relays
-stand where most of the others are in their reach.
+nothing left to do, as far as they know; those wait where they last had contact, and search by
+themselves after a long wait. Relays stand where most of the others are in their reach.
 """
 
 from functools import lru_cache
@@ -12,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.graph_planner.belief_planner.covers import NOTICED, landmarks_of
+from mjforage.graph_planner.belief_planner.covers import NOTICED
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.sweeps import Cover
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
@@ -23,9 +22,6 @@ from mjforage.mission.task import Observation, Task
 NOBODY = -1
 SLACK = 3  # decisions beyond the latency without news from somebody in touch
 PATIENCE = 40  # decisions after which a forager no longer waits for news
-STAYS = (
-    15  # decisions that it waits where it was last in touch, before it goes to the meeting place
-)
 PER_DECISION = 0.7  # items that a forager takes in a decision, of those it knows of
 NEAR = 2.0  # of a decision's way, to where somebody was last heard of: it should be heard there
 WITHIN = 0.8  # of the reach: how near a relay keeps to the others, who move on
@@ -62,20 +58,18 @@ class Connectivity:
     """
 
     def __init__(self, task: Task, settings: BeliefSettings, rows: int) -> None:
-        self.reach = task.reach_node if settings.link_node is None else settings.link_node
-        fleet = task.fleet
+        self.reach, fleet = task.reach_node, task.fleet
         self._collectors = fleet.collectors
         self._scouts = np.flatnonzero(~fleet.collects & ~fleet.relays & (fleet.radius > 0.0))
         self._slack = SLACK + task.latency
         self._relays = fleet.relays & ~fleet.collects
         self._report, self._alone, self._relay = settings.report, settings.alone, settings.relay
-        self._meeting = int(landmarks_of(task.graph)[0][0]) if settings.meet else NOBODY
         self._graph, self._moves = task.graph, task.fleet.moves
         agents = len(task.fleet)
         self._home = np.full(rows, NOBODY, np.int64)  # where an agent was when last in touch
         self._left: NDArray[np.float64] | None = None  # (row, cell) not noticed by one alone
-        # Last news of who was not found: where last heard of, and at the meeting place.
-        self._missed = np.full((2, rows, agents), NOBODY, np.int64)
+        # Step of the last news of agents that were not found where they were then.
+        self._missed = np.full((rows, agents), NOBODY, np.int64)
 
     @property
     def always(self) -> bool:
@@ -98,15 +92,11 @@ class Connectivity:
         return float(seen.step[e] - 1 - contacts.max()) if contacts.size else np.inf
 
     def waits(self, seen: Observation, e: int) -> int:
-        """Node where a forager without items waits for news; `NOBODY` if it need not.
-
-        It waits where it had its last contact; if no agent comes there, at the meeting place.
-        """
+        """Node of its last contact, where an idle forager waits; `NOBODY` if it need not."""
         silence = self._silence(seen, e, self._scouts)
         if silence <= self._slack or np.isinf(silence):
             return NOBODY
-        goes = self._meeting != NOBODY and silence >= self._slack + STAYS
-        return self._meeting if goes else int(self._home[e])
+        return int(self._home[e])
 
     def looks_alone(self, seen: Observation, e: int) -> bool:
         """True if a forager that waits for news searches for items by itself."""
@@ -179,15 +169,12 @@ class Connectivity:
     def _place(
         self, e: int, other: int, contact_step: int, last: int, here: int, owner: int
     ) -> int:
-        """Likely node of an agent last known in node `last` at step `contact_step`: there, then at
-        the meeting place; `NOBODY` if it is at neither.
-        """
-        for missed, node in zip(self._missed, (last, self._meeting), strict=True):
-            if node == NOBODY or missed[e, other] == contact_step:
-                continue
-            if not self._is_near(here, node, int(self._moves[owner])):
-                return node
-            missed[e, other] = contact_step
+        """Node `last` in which an agent was at step `contact_step`; `NOBODY` if it is not there."""
+        if self._missed[e, other] == contact_step:
+            return NOBODY
+        if not self._is_near(here, last, int(self._moves[owner])):
+            return last
+        self._missed[e, other] = contact_step
         return NOBODY
 
     def _reached(self, ways: Ways, here: int, node: int) -> tuple[int, float]:

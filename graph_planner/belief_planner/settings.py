@@ -34,15 +34,10 @@ class BeliefOptions:
     maps."""
     refresh: bool = True
     """Scouts look at known items and outdated beliefs again."""
-    link_node: Annotated[float, Within(0, 1e6, "node")] | None = None
-    """Range of contact that agents are assumed to have, 0: none; absent: as far as `[link]` has it
-    where no quay is between."""
     report: bool = True
     """Scouts come back with news to foragers out of reach."""
     alone: bool = True
     """Foragers out of contact search for items by themselves."""
-    meet: bool = False
-    """Agents out of contact go to a meeting place in the middle of the map."""
     relay: bool = True
     """Relays stand where most of the others are in their reach, else they look around."""
 

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.errors import UserError
 from mjforage.base.option_ranges import check_at_least
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import (
@@ -27,7 +26,6 @@ from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policies.registry import register
 from mjforage.graph_planner.policy_parts.auctions import (
-    BID_RULES,
     UNSOLD,
     Bidders,
     FloatArray,
@@ -49,14 +47,12 @@ _ON_THE_WAY = 0.4  # node; what moves of one length are worth more at most for w
 class Terms(NamedTuple):
     """The options of the policy as kernels read them."""
 
-    bid: int  # index in `BID_RULES`
     lots: int
     revisit: float
     refresh: float
     warm: float
     cool: float
     patience: float
-    frontiers: bool
 
 
 class Harbour(NamedTuple):
@@ -105,7 +101,7 @@ def _share_items(
     between = ways_between(table, neighbours, workspace, nodes, nodes)
     bidders = Bidders(arrays.moves[able].astype(np.float64), room[able], energy[able], tie)
     path, size = np.empty((able.size, nodes.size), np.int32), np.empty(able.size, np.int32)
-    sell_items(terms.bid, bidders, Lots(first, between, items, lot_tie), path, size)
+    sell_items(bidders, Lots(first, between, items, lot_tie), path, size)
     for i in range(able.size):
         if size[i] > 0:
             goals[able[i]] = nodes[path[i, 0]]
@@ -139,13 +135,13 @@ def _judge(
 
 
 @kernel
-def _frontier(neighbours: Int32Array, due: NDArray[np.bool_], only: bool) -> Int32Array:
+def _frontier(neighbours: Int32Array, due: NDArray[np.bool_]) -> Int32Array:
     """Nodes beside a border of water seen lately and not; all nodes if there is none."""
     places, n = np.empty(due.size, np.int32), 0
     for v in range(due.size):
         for d in range(8):
             other = neighbours[v, d]
-            if not only or (other >= 0 and due[other] != due[v]):
+            if other >= 0 and due[other] != due[v]:
                 places[n] = v
                 n += 1
                 break
@@ -168,7 +164,7 @@ def _share_views(
     arrays, at, energy = harbour.arrays, seen.agent_node[e], seen.energy_left[e]
     if lookers.size == 0:
         return
-    places = _frontier(arrays.neighbours, due, terms.frontiers)
+    places = _frontier(arrays.neighbours, due)
     ways = ways_between(harbour.table, arrays.neighbours, harbour.workspace, at[lookers], places)
     for i in range(lookers.size):
         for j in range(places.size):
@@ -299,8 +295,6 @@ class AuctionPolicy:
 
     Parameters
     ----------
-    bid : cost that bids add to: `minisum` the team's way, `minimax` its longest path, `miniave` the
-        mean time until an item is met
     lots : known nodes that are sold in a decision at most, the nearest
     revisit : water unseen for so long counts as unseen [decision]
     refresh : the same near known items, which drift [decision]
@@ -308,12 +302,10 @@ class AuctionPolicy:
     near : how far from an item its neighbourhood reaches [node]
     cool : how long a neighbourhood without known items stays one (time constant) [decision]
     patience : added to the time of a scout's way in its bids; larger: it goes farther [decision]
-    frontiers : True if only frontiers are sold to scouts, else every place
     """
 
     def __init__(
         self,
-        bid: str = "miniave",
         lots: int = 48,
         revisit: float = 120.0,
         refresh: float = 25.0,
@@ -321,15 +313,12 @@ class AuctionPolicy:
         near: float = 6.0,
         cool: float = 30.0,
         patience: float = 2.0,
-        frontiers: bool = True,
     ) -> None:
-        if bid not in BID_RULES:
-            raise UserError(f"auction: bid {bid!r} is unknown; give one of {', '.join(BID_RULES)}")
-        told = {"revisit": revisit, "refresh": refresh, "cool": cool, "patience": patience}
-        check_at_least("auction", 1, lots=lots, **told)
+        times = {"revisit": revisit, "refresh": refresh, "cool": cool, "patience": patience}
+        check_at_least("auction", 1, lots=lots, **times)
         check_at_least("auction", 0, warm=warm, near=near)
-        times = float(revisit), float(refresh), float(warm), float(cool), float(patience)
-        self._terms, self._near = Terms(BID_RULES.index(bid), lots, *times, frontiers), float(near)
+        scouting = float(revisit), float(refresh), float(warm), float(cool), float(patience)
+        self._terms, self._near = Terms(lots, *scouting), float(near)
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""

@@ -24,19 +24,14 @@ class OgrPolicy:
 
     Parameters
     ----------
-    near : decisions by which the reward of items around an item falls to 1/e; 0: they count nothing
-    urgency : exponent of the time in a ratio; larger: nearer items first
     ahead : items that a forager is given at most in one decision
     patience : added to the time of a scout's way in its bids; larger: it goes farther [decision]
     """
 
-    def __init__(
-        self, near: float = 0.0, urgency: float = 1.0, ahead: int = 6, patience: float = 4.0
-    ) -> None:
-        check_at_least("ogr", 0, near=near, urgency=urgency)
+    def __init__(self, ahead: int = 6, patience: float = 4.0) -> None:
         check_at_least("ogr", 1, ahead=ahead)
         check_positive("ogr", patience=patience)
-        self._ratio, self._patience = (float(near), float(urgency), int(ahead)), float(patience)
+        self._ahead, self._patience = int(ahead), float(patience)
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
@@ -59,5 +54,5 @@ class OgrPolicy:
         drift = self._team.beliefs.wind.mean[e]
         sea = Sea(collecting.boundary, group.ways, drift, collecting.taking, *self._rules)
         found = np.empty(able.agents.size, np.int32)
-        assign(sea, able, seen.agent_node[e][able.agents], collecting.items, *self._ratio, found)
+        assign(sea, able, seen.agent_node[e][able.agents], collecting.items, self._ahead, found)
         goals[np.isin(group.agents, able.agents)] = found

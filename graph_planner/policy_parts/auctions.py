@@ -23,10 +23,6 @@ from mjforage.mission.task import TaskArrays
 
 FloatArray = NDArray[np.float64]
 
-BID_RULES = ("minisum", "minimax", "miniave")
-"""Objective of a team: the sum of its paths, the longest, or the mean time until an item is met."""
-
-MINISUM, MINIMAX, MINIAVE = 0, 1, 2
 UNSOLD = -1
 
 
@@ -50,7 +46,6 @@ class Lots(NamedTuple):
 
 @kernel
 def insertion(
-    rule: int,
     bidder: int,
     lot: int,
     path: Int32Array,
@@ -60,9 +55,10 @@ def insertion(
 ) -> tuple[float, int]:
     """Smallest bid on a lot, and the place in the bidder's path where it costs that; inf if none.
 
+    A bid is by how much the mean time until an item is met grows (MiniAve).
+
     Parameters
     ----------
-    rule : index in `BID_RULES`
     path : (stop,) lots that the bidder has won, in the order in which it goes
     pace, energy : of the bidder, see `Bidders`
     """
@@ -79,11 +75,7 @@ def insertion(
             leg = first[bidder, path[0]] if i == 0 else between[path[i - 1], path[i]]
             detour += between[lot, path[i]] - leg
         if length + detour <= energy:
-            bid = detour
-            if rule == MINIMAX:
-                bid = length + detour
-            elif rule == MINIAVE:
-                bid = so_far + to_lot + detour * later / items[lot]
+            bid = so_far + to_lot + detour * later / items[lot]
             if bid / pace < best:
                 best, place = bid / pace, i
         if i < path.size:
@@ -93,14 +85,13 @@ def insertion(
 
 
 @kernel
-def sell_items(rule: int, bidders: Bidders, lots: Lots, path: Int32Array, size: Int32Array) -> None:
+def sell_items(bidders: Bidders, lots: Lots, path: Int32Array, size: Int32Array) -> None:
     """Sell lots one by one until there are no bids.
 
     An agent bids on no more than it has room for, and on nothing beyond its energy.
 
     Parameters
     ----------
-    rule : index in `BID_RULES`
     path : (bidder, lot) filled: the first `size` are what each won, in the order in which it goes
     size : (bidder,) filled
     """
@@ -117,7 +108,7 @@ def sell_items(rule: int, bidders: Bidders, lots: Lots, path: Int32Array, size: 
                 bids[f, lot] = FAR
                 if not sold[lot] and load[f] < room[f]:
                     won = path[f, : size[f]]
-                    bid, place = insertion(rule, f, lot, won, pace[f], energy[f], lots)
+                    bid, place = insertion(f, lot, won, pace[f], energy[f], lots)
                     bids[f, lot], places[f, lot] = bid + tie[f] + lot_tie[lot], place
         winner, what = UNSOLD, UNSOLD
         for f in range(n_bidders):

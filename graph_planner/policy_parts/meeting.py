@@ -41,7 +41,6 @@ class Lots(NamedTuple):
     row: NDArray[np.float64]  # (lot,) mean place of its items [node]
     col: NDArray[np.float64]
     weight: NDArray[np.float64]  # (lot,) items
-    reward: NDArray[np.float64]  # (lot,) items there and near it
 
 
 @kernel
@@ -79,14 +78,8 @@ def meet(
 
 
 @kernel
-def lots_of(items: Floating, sea: Sea, near: float) -> Lots:
-    """The items of every node in one lot.
-
-    Parameters
-    ----------
-    near : decisions by which the reward of what is around falls to 1/e; 0: it counts nothing
-    """
-    ways, boundary = sea.ways[0], sea.boundary
+def lots_of(items: Floating, boundary: Boundary) -> Lots:
+    """The items of every node in one lot."""
     place = np.full(boundary.rows.size, NOWHERE)
     n, count = 0, items.number[0]
     node, weight = np.empty(count, np.int32), np.zeros(count)
@@ -102,14 +95,9 @@ def lots_of(items: Floating, sea: Sea, near: float) -> Lots:
         weight[lot] += more
         row[lot] += more * down
         col[lot] += more * right
-    reward = weight[:n].copy()
     for i in range(n):
         row[i], col[i] = row[i] / weight[i], col[i] / weight[i]
-        decisions = ways.decisions[row_to(ways, node[i])]
-        for j in range(n):
-            if near > 0.0 and j != i and decisions[node[j]] != UNREACHED:
-                reward[i] += weight[j] * np.exp(-float(decisions[node[j]]) / near)
-    return Lots(node[:n], row[:n], col[:n], weight[:n], reward)
+    return Lots(node[:n], row[:n], col[:n], weight[:n])
 
 
 @kernel
@@ -139,8 +127,6 @@ def assign(
     able: Able,
     at: Int32Array,
     items: Floating,
-    near: float,
-    urgency: float,
     ahead: int,
     goal: Int32Array,
 ) -> None:
@@ -153,11 +139,9 @@ def assign(
     ----------
     able : foragers that can collect
     at : (forager,) nodes
-    near : see `lots_of`
-    urgency : exponent of the time in a ratio
     ahead : items that a forager is given at most
     """
-    lots, n_foragers = lots_of(items, sea, near), at.size
+    lots, n_foragers = lots_of(items, sea.boundary), at.size
     n = lots.node.size
     open_, room = np.ones(n, np.bool_), able.room.copy()
     when, where = np.full((n_foragers, n), FAR), np.full((n_foragers, n), np.int32(NOWHERE))
@@ -171,7 +155,7 @@ def assign(
             if given[f] < ahead and room[f] > 0.0:
                 for lot in range(n):
                     if open_[lot] and when[f, lot] < FAR:
-                        ratio = lots.reward[lot] / when[f, lot] ** urgency
+                        ratio = lots.weight[lot] / when[f, lot]
                         if ratio > best:
                             best, who, what = ratio, f, lot
         if who == NOWHERE:

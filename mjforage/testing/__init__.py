@@ -1,4 +1,4 @@
-"""Conformance checks for policies, environments, algorithms and parts of your own.
+"""Conformance checks for policies, algorithms and parts of your own.
 
 Call them in your tests; what fails is a `ConformanceError` of one sentence:
 
@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from mjforage.base.extras import require
 from mjforage.testing.conformance import ConformanceError
-from mjforage.testing.environment_checks import check_environment
 from mjforage.testing.part_checks import check_metric, check_observation, check_reward
 from mjforage.testing.policy_checks import check_policy
 
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 __all__ = [
     "ConformanceError",
     "check_algorithm",
-    "check_environment",
     "check_metric",
     "check_observation",
     "check_policy",

@@ -19,7 +19,6 @@ from mjforage.mission.setup import Setup
 from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
-from mjforage.testing.two_owners import OWNERS, TwoOwners
 
 HORIZON, EPISODES = 31, 4
 """Long enough for items to be found in comb-port; a prime, which no counter of moves divides."""
@@ -75,29 +74,36 @@ class PolicyTrial:
         return Setup.of(load_scenario(self.scenario, self.overrides))
 
     @cached_property
+    def without_link(self) -> Setup:
+        """The same without a link: every agent is a belief owner of its own."""
+        return Setup.of(load_scenario(self.scenario, (*self.overrides, "link.model=none")))
+
+    @cached_property
     def whole(self) -> list[Frame]:
         """A batch of episodes, played to its end by a fresh policy."""
         return self.played(self.fresh(), range(self.episodes))
 
-    def played(self, policy: Policy, episodes: Iterable[int], holders: int = 1) -> list[Frame]:
+    def played(
+        self, policy: Policy, episodes: Iterable[int], setup: Setup | None = None
+    ) -> list[Frame]:
         """Inputs and answers of a policy along some episodes."""
-        mission = Mission(self.setup, exchange=TwoOwners() if holders > 1 else None)
+        mission = Mission(setup or self.setup)
         mission.reset(self.seed, np.array(list(episodes)))
-        watched = _Watched(policy)
-        mission.prepare(watched)
+        recorder = _Recorder(policy)
+        mission.prepare(recorder)
         bound = isinstance(policy, UpperBound)
         while mission.active.any():
-            watched.truth = mission.truth if bound else None
-            mission.advance(mission.ask(watched))
-        return watched.frames
+            recorder.truth = mission.truth if bound else None
+            mission.advance(mission.ask(recorder))
+        return recorder.frames
 
     def error(self, check: str, words: str) -> ConformanceError:
         """Error of a policy that fails a check."""
         return ConformanceError(check, f"policy {self.name} {words}")
 
 
-class _Watched:
-    """A policy, with a copy of all that it is shown and answers."""
+class _Recorder:
+    """A policy, with copies of all its inputs and answers."""
 
     def __init__(self, policy: Policy) -> None:
         self._policy = policy
@@ -109,13 +115,13 @@ class _Watched:
         self._policy.reset(task, keys)
 
     def act(self, observation: Observation) -> Preferences:
-        shown = Observation._make(part.copy() for part in observation)
+        given = Observation._make(part.copy() for part in observation)
         truth = None
         if isinstance(self._policy, UpperBound) and self.truth is not None:
             truth = GroundTruth._make(part.copy() for part in self.truth)
             self._policy.set_ground_truth(self.truth)
         answer = self._policy.act(observation)
-        self.frames.append(Frame(shown, truth, np.array(answer, copy=True)))
+        self.frames.append(Frame(given, truth, np.array(answer, copy=True)))
         return np.asarray(answer)
 
 
@@ -166,35 +172,38 @@ def check_reset(trial: PolicyTrial) -> None:
 def check_rows(trial: PolicyTrial) -> None:
     """A row's answer depends on that row alone: whatever the batch, its size and its order."""
     why = "in a batch and in another; read no row but its own"
-    _check_parts(trial, "rows", trial.whole, trial.episodes, why)
+    _check_parts(trial, "rows", trial.whole, trial.setup, why)
 
 
-def check_second_holder(trial: PolicyTrial) -> None:
-    """Two belief owners that share an episode and its key are answered independently."""
+def check_owners(trial: PolicyTrial) -> None:
+    """Belief owners that share an episode and its key are answered independently."""
     if isinstance(trial.fresh(), UpperBound):
-        return  # a bound is shown the truth, once for each episode
-    frames = trial.played(trial.fresh(), range(trial.episodes), OWNERS)
+        return  # a bound gets the truth, once for each episode
+    setup = trial.without_link
+    frames = trial.played(trial.fresh(), range(trial.episodes), setup)
     why = (
-        "beside the other holder of its episode and without; keep what you remember by row, not by "
+        "beside the other owners of its episode and without; keep what you remember by row, not by "
         "key or episode"
     )
-    _check_parts(trial, "second_holder", frames, trial.episodes * OWNERS, why)
+    _check_parts(trial, "owners", frames, setup, why)
 
 
-def _check_parts(trial: PolicyTrial, check: str, frames: list[Frame], size: int, why: str) -> None:
-    """Show some rows of what was shown to another fresh policy: it must answer alike."""
-    everyone = np.arange(size)
+def _check_parts(
+    trial: PolicyTrial, check: str, frames: list[Frame], setup: Setup, why: str
+) -> None:
+    """Give some rows of the recorded inputs to a fresh policy: it must answer alike."""
+    everyone = np.arange(frames[0].observation.keys.size)
     for rows in (everyone[::-1], everyone[:1], everyone[-1:], everyone[1::2]):
         if not rows.size:
             continue
         policy = trial.fresh()
-        policy.reset(trial.setup.task, frames[0].observation.keys[rows])
-        shown, answered = [frame.of(rows) for frame in frames], []
-        for frame in shown:
+        policy.reset(setup.task, frames[0].observation.keys[rows])
+        given, answered = [frame.of(rows) for frame in frames], []
+        for frame in given:
             if frame.truth is not None and isinstance(policy, UpperBound):
                 policy.set_ground_truth(frame.truth)
             answered.append(frame._replace(answer=np.array(policy.act(frame.observation))))
-        _compare(trial, check, shown, answered, why)
+        _compare(trial, check, given, answered, why)
 
 
 def check_worker(trial: PolicyTrial) -> None:
@@ -208,8 +217,8 @@ def check_worker(trial: PolicyTrial) -> None:
             raise trial.error("worker", f"cannot be sent to a worker process: {error}") from error
     if not isinstance(trial.policy, str):
         text = f"{made.__module__}:{trial.name}"
-    told = (trial.scenario, trial.overrides, trial.episodes, trial.seed)
-    (found,) = joblib.Parallel(n_jobs=2)([joblib.delayed(_answers)(text, place, *told)])
+    settings = (trial.scenario, trial.overrides, trial.episodes, trial.seed)
+    (found,) = joblib.Parallel(n_jobs=2)([joblib.delayed(_answers)(text, place, *settings)])
     for step, (frame, there) in enumerate(zip(trial.whole, found, strict=True), start=1):
         active = frame.observation.active
         difference = first_difference(frame.answer[active], there[active])
@@ -241,7 +250,7 @@ POLICY_CHECKS = (
     check_repeatable,
     check_reset,
     check_rows,
-    check_second_holder,
+    check_owners,
     check_worker,
 )
 

@@ -13,6 +13,8 @@ from mjforage.base.errors import UserError
 
 OF_A_CHECKER = "options"
 """The option of `reset` that PettingZoo's own test of environments gives, and expects to work."""
+RENDER_MODES = ["rgb_array"]
+"""Modes of every class; in a window, Gymnasium itself shows these pictures (`human`)."""
 MOVES = 9
 """Number of moves: 0-7 compass from north clockwise, 8 stay."""
 
@@ -88,6 +90,12 @@ def checked_options(options: object, known: tuple[str, ...] = ()) -> Mapping[str
         if key not in (*known, OF_A_CHECKER):
             raise UserError(f"reset(options={{{key!r}: ...}}): there is no such option; {remedy}")
     return options
+
+
+def check_mode(mode: object) -> None:
+    """Refuse a render mode that does not exist. Raises `UserError` if so."""
+    if mode not in (None, *RENDER_MODES):
+        raise UserError(f"render_mode = {mode!r}: unknown; choose None, {', '.join(RENDER_MODES)}")
 
 
 def checked_started(started: bool, what: str) -> None:

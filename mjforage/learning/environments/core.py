@@ -15,7 +15,6 @@ from mjforage.learning.environments.checks import checked_seed, checked_started
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import RewardTerms
 from mjforage.mission.mission import Mission
-from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.worlds import create_mission
 
 CHOSEN, OTHERWISE_STAY = 2.0, 1.0  # preferences of a chosen move, and of what happens if illegal
@@ -99,8 +98,7 @@ class EnvironmentCore:
         self.setup = options.setup
         self.setup.check_memory(num_envs)
         self.agents = len(self.setup.fleet)
-        self.trajectory = TrajectoryRecorder() if options.camera else None
-        self.mission = create_mission(self.setup, options.world, self.trajectory)
+        self.mission = create_mission(self.setup, options.world)
         graph = options.world == "graph"
         self._spare = Mission(self.setup) if graph and num_envs > 1 else None
         self._weights = options.weights

@@ -1,4 +1,4 @@
-"""Figures of `render`: the map from above, as in films of `mjforage render`, or hulls in 3-D.
+"""Figures of `render`: the map from above, as in films of `mjforage render`.
 
 It shows the truth: items that no agent has discovered are there too, small and dim.
 """
@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.learning.environments.core import EnvironmentCore, Episodes
-from mjforage.learning.environments.harbour_figure import HarbourFigure
 from mjforage.mission.mission import Mission
 from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.vessel_files import hull_names
@@ -18,17 +17,10 @@ SIZE = 640, 480  # width and height [pixel]
 
 
 class EpisodeFigure:
-    """Remembers the way of one sub-environment, and draws its present.
+    """Records the path of a sub-environment, by its number in its core, and draws its present."""
 
-    Parameters
-    ----------
-    env : number of the sub-environment in its core
-    camera : name of a view in 3-D, None for the map from above
-    """
-
-    def __init__(self, env: int = 0, camera: str | None = None) -> None:
+    def __init__(self, env: int = 0) -> None:
         self._env = env
-        self._harbour = HarbourFigure(camera) if camera else None
 
     def see(self, mission: Mission) -> None:
         """Take note of the state; step 0 begins anew."""
@@ -41,8 +33,6 @@ class EpisodeFigure:
             self._pose = np.zeros((steps, *state.agent_yaw[env].shape, 3), np.float32)
             self._present = np.zeros((steps, self._items.size), np.bool_)
             self._most = 0
-            if self._harbour is not None:
-                self._harbour.close()
         self._agent_rc[self._step] = state.agent_rc[env]
         self._pose[self._step, :, :2] = mission.setup.graph.metres(state.agent_rc[env])
         self._pose[self._step, :, 2] = state.agent_yaw[env]
@@ -54,18 +44,11 @@ class EpisodeFigure:
         from mjforage.view.render import map_film  # slow to import
         from mjforage.view.render.palette import LEAST_MOST
 
-        replay = self._replay(core, episodes)
-        if self._harbour is not None:
-            return self._harbour.draw(replay, self._step)
         most = max(LEAST_MOST, self._most)
-        return map_film([replay], SIZE, most).frame(float(self._step))
+        film = map_film([self.recording(core, episodes)], SIZE, most)
+        return film.frame(float(self._step))
 
-    def close(self) -> None:
-        """Give OpenGL back, if it draws."""
-        if self._harbour is not None:
-            self._harbour.close()
-
-    def _replay(self, core: EnvironmentCore, episodes: Episodes) -> Recording:
+    def recording(self, core: EnvironmentCore, episodes: Episodes) -> Recording:
         """The episode until now; of what is drawn as it is now, every step is the present."""
         setup, fleet = core.setup, core.setup.fleet
         return Recording(
@@ -84,11 +67,11 @@ class EpisodeFigure:
             item_present=self._present[: self._step + 1],
             t_discovered=core.mission.ledger.entries.t_discovered[self._env, self._items],
             **self._present_fields(core.mission),
-            **self._track(core),
+            **self._frames(core),
         )
 
     def _present_fields(self, mission: Mission) -> dict[str, Any]:
-        """Items, belief, idleness and views as they are, at each step of a replay."""
+        """Items, belief, idleness and views as they are, at each step of a recording."""
         env, own, state = self._env, np.array([self._env]), mission.state
         grid, fleet = mission.setup.graph.grid, mission.setup.fleet
         scouts, foragers = (
@@ -105,30 +88,16 @@ class EpisodeFigure:
             for name, field in now.items()
         }
 
-    def _track(self, core: EnvironmentCore) -> dict[str, Any]:
-        """The core's recorded track; a frame for each step where it records none."""
-        trajectory, items, frames = core.trajectory, self._items, self._step + 1
-        if trajectory is None:
-            rc = core.mission.state.item_rc[self._env, items]
-            xy = core.setup.graph.metres(rc).astype(np.float32)
-            return {
-                "item_class": np.zeros(items.size, np.int16),
-                "frame_s": core.setup.scenario.period_s,
-                "track_pose": self._pose[:frames],
-                "track_items": np.broadcast_to(xy, (frames, *xy.shape)),
-                "track_present": self._present[:frames],
-                "track_wind": np.zeros((frames, 2), np.float32),
-            }
-        from mjforage.physics.dynamics.fleet_scene import item_choices
-        from mjforage.physics.dynamics.item_bodies import draw_classes
-
-        mission, choices = core.mission, item_choices(core.setup.scenario.physics)
-        classes = draw_classes(mission.keys, mission.initial.item_node, choices)[0]
+    def _frames(self, core: EnvironmentCore) -> dict[str, Any]:
+        """A frame for each step."""
+        items, frames = self._items, self._step + 1
+        rc = core.mission.state.item_rc[self._env, items]
+        xy = core.setup.graph.metres(rc).astype(np.float32)
         return {
-            "item_class": classes[items].astype(np.int16),
-            "frame_s": trajectory.interval_s,
-            "track_pose": trajectory.pose,
-            "track_items": trajectory.items[:, items],
-            "track_present": trajectory.present[:, items],
-            "track_wind": trajectory.wind,
+            "item_class": np.zeros(items.size, np.int16),
+            "frame_s": core.setup.scenario.period_s,
+            "track_pose": self._pose[:frames],
+            "track_items": np.broadcast_to(xy, (frames, *xy.shape)),
+            "track_present": self._present[:frames],
+            "track_wind": np.zeros((frames, 2), np.float32),
         }

@@ -11,8 +11,8 @@ from mjforage.base.cached import warn_once
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import encoder_label
+from mjforage.learning.environments.checks import check_mode
 from mjforage.learning.environments.choices import Overrides, check_known, chosen_setup
-from mjforage.learning.environments.harbour_figure import check_camera
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.learning.environments.spaces import DTYPES
 from mjforage.mission.setup import Setup
@@ -31,7 +31,6 @@ class EnvironmentArguments(TypedDict, total=False):
     map: str | Path | NDArray[Any] | list[Any] | None
     set: Overrides
     render_mode: str | None
-    camera: str | None
     dtype: str
 
 
@@ -51,7 +50,6 @@ class EnvironmentOptions:
         or an array (row, column), True or 1 where there is water, on which the fleet starts in a
         cluster
     set : overrides of the scenario: KEY -> value, or KEY=VALUE each
-    camera : of `mjforage render --camera`, to see the hulls in 3-D; None: the map from above
     dtype : "float32", values in [0, 1], or "uint8", levels that a learner divides by 255 itself
     """
 
@@ -62,7 +60,6 @@ class EnvironmentOptions:
     map: str | Path | NDArray[Any] | list[Any] | None = None
     set: Overrides = ()
     render_mode: str | None = None
-    camera: str | None = None
     dtype: str = "float32"
     setup: Setup = field(init=False)
     weights: dict[str, float] = field(init=False)
@@ -72,7 +69,7 @@ class EnvironmentOptions:
             raise UserError(f"world = {self.world!r}: unknown; {nearest(self.world, WORLDS)}")
         if self.dtype not in DTYPES:
             raise UserError(f"dtype = {self.dtype!r}: unknown; choose {', '.join(DTYPES)}")
-        check_camera(self.camera, self.world, self.render_mode)
+        check_mode(self.render_mode)
         object.__setattr__(self, "observation", encoder_label(self.observation))
         object.__setattr__(self, "setup", chosen_setup(self.scenario, self.map, self.set))
         for line in run_warnings(self.setup, (self.world,)):

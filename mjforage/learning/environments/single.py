@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.encodings.encoder import Levels
-from mjforage.learning.environments.checks import checked_started
+from mjforage.learning.environments.checks import RENDER_MODES, checked_started
 from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.core import EnvironmentCore, Episodes, Outcome
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
-from mjforage.learning.environments.screen import RENDER_MODES, Screen, metadata_here
 
 ONLY = np.zeros(1, np.int64)  # number of the one sub-environment
 METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
@@ -26,13 +25,11 @@ class SingleEnvironment(Copied):
     metadata: ClassVar[dict[str, Any]] = METADATA
 
     def __init__(self, arguments: EnvironmentArguments) -> None:
-        self.metadata = metadata_here(type(self).metadata)  # type: ignore[misc]
         options = EnvironmentOptions.of(arguments)
         self.render_mode, self._dtype = options.render_mode, options.dtype
         self._core = EnvironmentCore(options)
         self._episodes = Episodes()
-        self._figure = EpisodeFigure(camera=options.camera) if options.render_mode else None
-        self._screen = Screen(options.render_mode, self._drawn)
+        self._figure = EpisodeFigure() if options.render_mode else None
 
     @property
     def core(self) -> EnvironmentCore:
@@ -40,14 +37,11 @@ class SingleEnvironment(Copied):
         return self._core
 
     def render(self) -> Any:
-        """The map from above or the camera's picture, (height, width, 3) uint8, or None."""
-        return self._screen.render()
-
-    def close(self) -> None:
-        """Close the window of `human`, and give OpenGL back."""
-        self._screen.close()
-        if self._figure is not None:
-            self._figure.close()
+        """The map from above, (height, width, 3) uint8, or None without a render mode."""
+        if self._figure is None:
+            return None
+        checked_started(self._core.started, "render")
+        return self._figure.draw(self._core, self._episodes)
 
     def _start(self, seed: int | None, entropy: np.random.Generator) -> None:
         """Begin the next episode; with a seed, the first one of that seed."""
@@ -67,12 +61,6 @@ class SingleEnvironment(Copied):
     def _note(self) -> None:
         if self._figure is not None:
             self._figure.see(self._core.mission)
-        self._screen.refresh()
-
-    def _drawn(self) -> NDArray[np.uint8]:
-        assert self._figure is not None, "drawn only in a render mode"
-        checked_started(self._core.started, "render")
-        return self._figure.draw(self._core, self._episodes)
 
 
 def summed(outcome: Outcome) -> tuple[float, bool, bool, dict[str, Any]]:

@@ -19,26 +19,18 @@ from mjforage.learning.environments.checks import (
     checked_started,
 )
 from mjforage.learning.environments.copies import Copied
-from mjforage.learning.environments.core import EnvironmentCore, Episodes, Outcome
+from mjforage.learning.environments.core import EnvironmentCore, Episodes
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
-from mjforage.learning.environments.screen import check_mode
 from mjforage.learning.environments.single import METADATA
-from mjforage.learning.environments.spaces import (
-    MASK,
-    Arrays,
-    arrays_space,
-    shown,
-    values,
-)
-
-MODES = ["rgb_array"]
+from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space, shown, values
 
 
 class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
     """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
-    In the graph world one batched mission plays all sub-environments; elsewhere each has its own.
+    One batched mission of the graph world plays all sub-environments; in other worlds Gymnasium
+    puts single ones side by side (`vectorization_mode="sync"`, or `"async"` in processes).
     `info` is laid out as Gymnasium does: beside each key a mask `_key` (env,) of valid entries.
 
     Parameters
@@ -52,7 +44,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
         may overwrite it, which is quicker
     """
 
-    metadata: ClassVar[dict[str, Any]] = METADATA | {"render_modes": MODES}  # type: ignore[misc]
+    metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
 
     def __init__(
         self,
@@ -64,20 +56,20 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
         if num_envs < 1:
             raise UserError(f"num_envs = {num_envs}: give 1 or more")
         options = EnvironmentOptions.of(arguments)
-        check_mode(options.render_mode, MODES)
+        if options.world != "graph":
+            raise UserError(
+                f"make_vec in the world {options.world!r}: batches are of the graph world; give "
+                "vectorization_mode='sync', or 'async' for a process each"
+            )
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = _checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
-        batched = options.world == "graph"
-        sizes = [num_envs] if batched else [1] * num_envs
-        self._cores = [EnvironmentCore(options, size) for size in sizes]
-        self._where = [(0, i) if batched else (i, 0) for i in range(num_envs)]
+        self._core = EnvironmentCore(options, num_envs)
         self._episodes = [Episodes() for _ in range(num_envs)]
-        self._ended, self._everybody = np.zeros(num_envs, np.bool_), np.ones(num_envs, np.bool_)
-        self._rows = [np.arange(core.num_envs) for core in self._cores]
-        shown = self._where if self.render_mode else []
-        self._figures = [EpisodeFigure(env, options.camera) for _, env in shown]
-        agents, shapes = self._cores[0].agents, self._cores[0].shapes
+        self._ended = np.zeros(num_envs, np.bool_)
+        self._rows = np.arange(num_envs)
+        self._figures = [EpisodeFigure(env) for env in range(num_envs) if self.render_mode]
+        agents, shapes = self._core.agents, self._core.shapes
         self._dtype, self._copy = options.dtype, copy
         self._values: dict[str, NDArray[np.float32]] = {}  # of the last observation, to be reused
         self.single_observation_space = arrays_space(shapes, (agents,), options.dtype)
@@ -100,13 +92,13 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
         seed : of the first, the others take the integers after it; or one for each
         options : `reset_mask`, (env,) booleans: which to start; absent: all
         """
-        told = checked_options(options, ("reset_mask",))
-        seeds, envs = self._seeds(seed), self._chosen(told.get("reset_mask"))
+        given = checked_options(options, ("reset_mask",))
+        seeds, envs = self._seeds(seed), self._selected(given.get("reset_mask"))
         super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
         self._start(envs, seeds)
         started = np.zeros(self.num_envs, np.bool_)
         started[envs] = True
-        return self._observed(), self._laid_out(self._facts(), started)
+        return self._observed(), self._laid_out(self._core.facts(), started)
 
     def _seeds(self, seed: object) -> list[int | None]:
         """A seed for each sub-environment."""
@@ -119,17 +111,17 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
             raise UserError(f"seed = {reprlib.repr(seed)}: {words}")
         return [checked_seed(each, f"seed[{i}]") for i, each in enumerate(seed)]
 
-    def _chosen(self, mask: object) -> NDArray[np.intp]:
+    def _selected(self, mask: object) -> NDArray[np.intp]:
         """Numbers of the sub-environments that a mask names."""
         if mask is None:
             return np.arange(self.num_envs)
-        chosen = np.asarray(mask)
-        if chosen.shape != (self.num_envs,) or chosen.dtype != np.bool_ or not chosen.any():
+        selected = np.asarray(mask)
+        if selected.shape != (self.num_envs,) or selected.dtype != np.bool_ or not selected.any():
             words = f"give {self.num_envs} booleans, at least one of them True"
             raise UserError(f"reset_mask = {reprlib.repr(mask)}: {words}")
-        if not chosen.all():
-            checked_started(self._cores[0].started, "reset of some sub-environments")
-        return np.flatnonzero(chosen)
+        if not selected.all():
+            checked_started(self._core.started, "reset of some sub-environments")
+        return np.flatnonzero(selected)
 
     def step(
         self, actions: NDArray[np.int64]
@@ -144,87 +136,65 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
         ----------
         actions : (env, agent) moves 0-8
         """
-        moves = checked_moves(actions, (self.num_envs, self._cores[0].agents), "actions")
+        moves = checked_moves(actions, (self.num_envs, self._core.agents), "actions")
         again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
-        parts = self._play(moves)
-        rewards = _joined([np.add.reduce(part.rewards, axis=1) for part in parts])
-        terminated = _joined([part.terminated for part in parts])
-        truncated = _joined([part.truncated for part in parts])
-        played = {"illegal": _joined([part.illegal for part in parts])}
-        for name in parts[0].terms:
-            term = [np.add.reduce(part.terms[name], axis=1) for part in parts]
-            played[f"reward/{name}"] = _joined(term)
+        outcome = self._core.step(moves)
+        rewards = np.add.reduce(outcome.rewards, axis=1)
+        terminated, truncated = outcome.terminated, outcome.truncated
+        played: dict[str, NDArray[Any]] = {"illegal": outcome.illegal}
+        for name, term in outcome.terms.items():
+            played[f"reward/{name}"] = np.add.reduce(term, axis=1)
         over = terminated | truncated
         self._ended |= over
         if again is not None and again.any():
             self._start(np.flatnonzero(again), [None] * self.num_envs)
         else:
             again = None
-        for picture, (core, _) in zip(self._figures, self._where, strict=False):
-            picture.see(self._cores[core].mission)
+        for figure in self._figures:
+            figure.see(self._core.mission)
         info: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP and over.any():
             info = {"final_obs": self._last_seen(over), "_final_obs": over.copy()}
-            info["final_info"] = self._laid_out(self._facts() | played, over)
+            info["final_info"] = self._laid_out(self._core.facts() | played, over)
             info["_final_info"] = over.copy()
             self._start(np.flatnonzero(over), [None] * self.num_envs)
             again = over
         if again is None:
-            info |= self._laid_out(self._facts() | played)
+            info |= self._laid_out(self._core.facts() | played)
         else:
-            info |= self._laid_out(self._facts()) | self._laid_out(played, ~again)
+            info |= self._laid_out(self._core.facts()) | self._laid_out(played, ~again)
         return self._observed(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
         """A picture (height, width, 3) uint8 of each, or None without a render mode."""
         if not self.render_mode:
             return None
-        checked_started(self._cores[0].started, "render")
-        each = zip(self._figures, self._where, self._episodes, strict=True)
-        return tuple(
-            picture.draw(self._cores[core], episodes) for picture, (core, _), episodes in each
-        )
-
-    def close_extras(self, **_: Any) -> None:
-        """Give OpenGL back."""
-        for picture in self._figures:
-            picture.close()
-
-    def _play(self, actions: NDArray[np.int64]) -> list[Outcome]:
-        if len(self._cores) == 1:
-            return [self._cores[0].step(actions)]
-        return [core.step(actions[i : i + 1]) for i, core in enumerate(self._cores)]
+        checked_started(self._core.started, "render")
+        each = zip(self._figures, self._episodes, strict=True)
+        return tuple(figure.draw(self._core, episodes) for figure, episodes in each)
 
     def _start(self, envs: NDArray[np.intp], seeds: list[int | None]) -> None:
         keys = [self._episodes[i].following(seeds[i], self.np_random) for i in envs]
-        if len(self._cores) == 1 and envs.size:
-            self._cores[0].start(envs.astype(np.int64), np.concatenate(keys))
-        elif envs.size:
-            for i, key in zip(envs, keys, strict=True):
-                self._cores[i].start(np.zeros(1, np.int64), key)
+        if envs.size:
+            self._core.start(envs.astype(np.int64), np.concatenate(keys))
         self._ended[envs] = False
-        for i in envs:
-            if self._figures:
-                self._figures[i].see(self._cores[self._where[i][0]].mission)
+        for i in envs if self._figures else ():
+            self._figures[i].see(self._core.mission)
 
     def _observed(self) -> Arrays:
         """Observations of all sub-environments; in new memory if the user wants it."""
-        seen = {name: self._shown(name, levels) for name, levels in self._levels().items()}
-        return {**seen, MASK: _joined([core.masks for core in self._cores])}
+        levels = self._core.see(self._rows)
+        seen = {name: self._shown(name, level) for name, level in levels.items()}
+        return {**seen, MASK: self._core.masks}
 
     def _last_seen(self, over: NDArray[np.bool_]) -> NDArray[np.object_]:
         """(env,) observations of those that are over, each for itself; None of others."""
-        levels, masks = self._levels(), _joined([core.masks for core in self._cores])
+        levels, masks = self._core.see(self._rows), self._core.masks
         last = np.full(self.num_envs, None, np.object_)
         for i in np.flatnonzero(over):
             seen = {name: shown(level[i], self._dtype) for name, level in levels.items()}
             last[i] = {**seen, MASK: masks[i].copy()}
         return last
-
-    def _levels(self) -> dict[str, NDArray[np.uint8]]:
-        """Levels (env, agent, ...) that all see."""
-        parts = [core.see(rows) for core, rows in zip(self._cores, self._rows, strict=True)]
-        return {name: _joined([part[name] for part in parts]) for name in parts[0]}
 
     def _shown(self, name: str, levels: NDArray[np.uint8]) -> NDArray[Any]:
         if self._copy:
@@ -235,31 +205,20 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
             self._values[name] = np.empty(levels.shape, np.float32)
         return values(levels, self._values[name])
 
-    def _facts(self) -> dict[str, Any]:
-        facts = [core.facts() for core in self._cores]
-        if len(facts) == 1:
-            return facts[0]
-        return {name: _joined([fact[name] for fact in facts]) for name in facts[0]}
-
     def _laid_out(
-        self, facts: dict[str, NDArray[Any]], told: NDArray[np.bool_] | None = None
+        self, facts: dict[str, NDArray[Any]], valid: NDArray[np.bool_] | None = None
     ) -> dict[str, Any]:
         """Facts (env,) beside their masks, by default all True; 0 where False."""
-        if told is None:
-            told = self._everybody
-        elif told.any():
-            facts = {name: fact * told for name, fact in facts.items()}
+        if valid is None:
+            valid = np.ones(self.num_envs, np.bool_)
+        elif valid.any():
+            facts = {name: fact * valid for name, fact in facts.items()}
         else:
             return {}
         info: dict[str, Any] = {}
         for name, fact in facts.items():
-            info[name], info["_" + name] = fact, told.copy()
+            info[name], info["_" + name] = fact, valid.copy()
         return info
-
-
-def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    """Arrays of all cores, one after the other; that of a single core as it is."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _checked_mode(mode: object) -> AutoresetMode:

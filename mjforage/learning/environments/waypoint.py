@@ -12,11 +12,16 @@ from numpy.typing import NDArray
 
 from mjforage.base.cached import warn_once
 from mjforage.controllers import Pilot
-from mjforage.learning.environments.checks import checked_options, checked_started, checked_thrusts
+from mjforage.learning.environments.checks import (
+    RENDER_MODES,
+    check_mode,
+    checked_options,
+    checked_started,
+    checked_thrusts,
+)
 from mjforage.learning.environments.choices import check_known
 from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.rewards import checked_names
-from mjforage.learning.environments.screen import RENDER_MODES, Screen, metadata_here
 from mjforage.learning.environments.waypoint_track import TICK_S, WaypointTrack
 from mjforage.physics.run_warnings import vessel_warnings
 from mjforage.physics.vessel_models import vessel_model
@@ -98,8 +103,8 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
             current_speed_mps=current_mps,
             current_toward_deg=None,
         )
-        self.metadata = metadata_here(type(self).metadata)  # type: ignore[misc]
-        self.render_mode, self._screen = render_mode, Screen(render_mode, self._drawn)
+        check_mode(render_mode)
+        self.render_mode = render_mode
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
         self._track = WaypointTrack(load_vessel(str(vessel)), weather, WAYPOINTS)
         for line in vessel_warnings(self._track.vessel, wind_mps, TICK_S, STEP_REMEDY):
@@ -229,18 +234,12 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
 
     def _note(self) -> None:
         self._way.append((float(self._track.pose[0]), float(self._track.pose[1])))
-        self._screen.refresh()
-
-    def _drawn(self) -> NDArray[np.uint8]:
-        from mjforage.learning.environments.waypoint_figure import draw_track
-
-        checked_started(bool(self._way), "render")
-        return draw_track(self._track, self._way)
 
     def render(self) -> Any:
         """Track, hull and waypoints from above, north up, (480, 480, 3) uint8; or None."""
-        return self._screen.render()
+        from mjforage.learning.environments.waypoint_figure import draw_track
 
-    def close(self) -> None:
-        """Close the window of `human`, if there is one."""
-        self._screen.close()
+        if self.render_mode is None:
+            return None
+        checked_started(bool(self._way), "render")
+        return draw_track(self._track, self._way)

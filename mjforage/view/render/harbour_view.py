@@ -1,7 +1,5 @@
 """A recording seen in three dimensions through MuJoCo, at any time of the episode."""
 
-import dataclasses
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -94,12 +92,6 @@ class HarbourView:
         self._mirror = _buffers(tall // _MIRROR_SHARE, wide // _MIRROR_SHARE)
         self._owns = shares is None
         self._canvas: Canvas = shares._canvas if shares else Canvas(self._scene.model, wide, tall)
-
-    def go_on(self, recording: Recording) -> None:
-        """Draw from now on from a recording that goes further in the same episode."""
-        self._recording, self._track = recording, Track.of(recording)
-        self._timeline = Timeline.of(recording)
-        self._circumstances = dataclasses.replace(self._circumstances, track=self._track)
 
     def close(self) -> None:
         """Give OpenGL back."""

@@ -11,7 +11,6 @@ from mjforage.graph_planner.belief_planner.connectivity import (
     NOBODY,
     PATIENCE,
     SLACK,
-    STAYS,
     Connectivity,
     parts_of,
 )
@@ -57,30 +56,14 @@ def test_news_is_brought_to_the_nearest_who_lacks_it_and_is_idle() -> None:
     assert is_at(connectivity_of().tells(both, 0, NEWS, WAYS), 20, 0), "the first is in touch"
     assert connectivity_of().tells(told, 0, NEWS[:1], WAYS) == NOBODY, "old news"
     assert connectivity_of(report=False).tells(told, 0, NEWS, WAYS) == NOBODY
-    assert connectivity_of(link_node=0.0).tells(told, 0, NEWS, WAYS) == NOBODY, (
-        "nobody would hear it"
-    )
-    assert connectivity_of(link_node=np.inf).always
+    apart = Connectivity(replace(TASK, reach_node=0.0), BeliefSettings(), 1)
+    assert apart.tells(told, 0, NEWS, WAYS) == NOBODY, "nobody would receive it"
+    assert Connectivity(replace(TASK, reach_node=np.inf), BeliefSettings(), 1).always
     many = np.concatenate((np.zeros(40, np.int32), [18])).astype(np.int32)
     assert connectivity_of().tells(told, 0, many, WAYS) == NOBODY, "they have enough to do"
 
 
-def test_who_is_not_found_where_it_was_is_looked_for_at_the_meeting_place() -> None:
-    """In the middle of the sea; and at neither until something newer is heard."""
-    touch, late = connectivity_of(meet=True), 20 - SLACK - 2
-    told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
-    told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
-    for _ in range(2):
-        assert is_at(touch.tells(told, 0, NEWS, WAYS), 14, 14)
-    told.agent_node[0, SCOUT] = SEA.node_of_cell[14, 14]
-    assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
-    told.agent_node[0, SCOUT] = SEA.node_of_cell[9, 9]
-    assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
-    told.agent_seen[0, FORAGER] = late + 1
-    assert is_at(touch.tells(told, 0, NEWS, WAYS), 0, 20)
-
-
-def test_without_a_meeting_place_who_is_not_found_is_not_looked_for() -> None:
+def test_who_is_not_found_is_not_looked_for_before_there_is_newer_news() -> None:
     touch, late = connectivity_of(), 20 - SLACK - 2
     told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
     told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
@@ -92,19 +75,15 @@ def test_without_a_meeting_place_who_is_not_found_is_not_looked_for() -> None:
 
 
 def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> None:
-    touch = connectivity_of(meet=True)
+    touch = connectivity_of()
     touch.note(seen_by(FORAGER, {SCOUT: 20}), 0)
     away = seen_by(FORAGER, {SCOUT: 20}, step=21 + SLACK + 1)
     away.agent_node[0, FORAGER] = SEA.node_of_cell[9, 9]
     touch.note(away, 0)
     assert touch.waits(away, 0) == SEA.node_of_cell[0, 20]
     assert not touch.looks_alone(away, 0)
-    lost = seen_by(FORAGER, {SCOUT: 20}, step=21 + SLACK + STAYS)
-    assert is_at(touch.waits(lost, 0), 14, 14), "then at the meeting place"
-    apart = connectivity_of()
-    apart.note(seen_by(FORAGER, {SCOUT: 20}), 0)
-    assert apart.waits(lost, 0) == SEA.node_of_cell[0, 20]
-    assert connectivity_of(link_node=0.0).looks_alone(away, 0), "at once where nobody is ever heard"
+    apart = Connectivity(replace(TASK, reach_node=0.0), BeliefSettings(), 1)
+    assert apart.looks_alone(away, 0), "at once where nobody is ever in contact"
     long = seen_by(FORAGER, {SCOUT: 20}, step=21 + PATIENCE)
     assert touch.looks_alone(long, 0) and not connectivity_of(alone=False).looks_alone(long, 0)
     assert touch.waits(seen_by(FORAGER, {SCOUT: 20}), 0) == NOBODY, "in touch"
@@ -196,9 +175,8 @@ def test_a_relay_stands_where_the_others_are_in_its_reach() -> None:
         away = [np.hypot(SEA.rows[node] - 5, SEA.cols[node] - col) for col in (0, far)]
         assert col_from <= SEA.cols[node] <= col_to and max(away) <= max(8.0, far / 2) + 1.5
         assert Connectivity(task, BeliefSettings(relay=False), 1).connects(seen, 0, WAYS) == NOBODY
-        assert (
-            Connectivity(task, BeliefSettings(link_node=0.0), 1).connects(seen, 0, WAYS) == NOBODY
-        )
+        apart = Connectivity(replace(task, reach_node=0.0), BeliefSettings(), 1)
+        assert apart.connects(seen, 0, WAYS) == NOBODY
         news = np.array([5, 8], np.int32)
         seen.agent_seen[0, 1] = 0
         assert Connectivity(task, BeliefSettings(), 1).tells(seen, 0, news, WAYS) == NOBODY

@@ -43,15 +43,13 @@ def given(
     cells: list[tuple[int, int]],
     items: Floating,
     able: Able | None = None,
-    near: float = 0.0,
-    urgency: float = 1.0,
     ahead: int = 9,
 ) -> list[tuple[int, int] | None]:
     """The cell that each forager is sent to."""
     at = np.array([graph.node_of_cell[cell] for cell in cells], np.int32)
     goal = np.zeros(len(cells), np.int32)
     about = able or able_of(len(cells))
-    assign(sea, about, at, items, near, urgency, ahead, goal)
+    assign(sea, about, at, items, ahead, goal)
     return [None if v < 0 else (int(graph.rows[v]), int(graph.cols[v])) for v in goal]
 
 
@@ -137,19 +135,14 @@ def test_ratios_are_of_rewards_over_times() -> None:
     graph = lake(5, 41)
     items = items_of((2.0, 15.0, 1.0), (2.0, 30.0, 3.0))  # 5 and 10 decisions away
     assert given(graph, sea_of(graph), [(2, 20)], items) == [(2, 30)]
-    assert given(graph, sea_of(graph), [(2, 20)], items, urgency=2.0) == [(2, 15)]
-    around = items_of((2.0, 15.0, 1.0), (2.0, 26.0, 1.0), (1.0, 27.0, 1.0))
-    assert given(graph, sea_of(graph), [(2, 20)], around) == [(2, 15)]
-    assert given(graph, sea_of(graph), [(2, 20)], around, near=2.0) == [(2, 26)]
 
 
-def test_items_of_a_node_are_one_lot_and_nearness_counts_down() -> None:
+def test_items_of_a_node_are_one_lot() -> None:
     graph = lake(5, 21)
     items = items_of((2.2, 5.0, 1.0), (1.8, 5.2, 0.5), (2.0, 8.0, 2.0), (0.0, 0.0, 0.0))
-    lots = lots_of(items, sea_of(graph), 2.0)
+    lots = lots_of(items, boundary_of(graph))
     assert lots.weight.tolist() == [1.5, 2.0]
     assert lots.row[0] == pytest.approx(3.1 / 1.5) and lots.col[0] == pytest.approx(7.6 / 1.5)
-    assert lots.reward == pytest.approx([1.5 + 2.0 * np.exp(-1.5), 2.0 + 1.5 * np.exp(-1.5)])
 
 
 def test_room_and_energy_limit_what_is_given() -> None:

@@ -206,7 +206,6 @@ def test_any_fleet_on_any_map(
         ("ogr(ahead=0)", "ogr: ahead 0 is too small; give 1 or more"),
         ("ogr(patience=0)", "ogr: patience 0.0 is too small; give more than 0"),
         ("orienteering(every=0)", "orienteering: every 0 is too small; give 1 or more"),
-        ('auction(bid="most")', "bid 'most' is unknown; give one of minisum, minimax, miniave"),
         ("auction(lots=0)", "lots 0 is too small; give 1 or more"),
         ("auction(patience=inf)", "patience inf is not finite; give 1 or more"),
         ("auction(warm=-1)", "warm -1.0 is too small; give 0 or more"),

@@ -87,7 +87,7 @@ class Peeking(Good):
 
 
 class ByKey(Good):
-    """Remembers by the key of the episode, which its holders share."""
+    """Remembers by the key of the episode, which its owners share."""
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         at = dict(zip(self.keys, observation.agent_node, strict=True))
@@ -132,7 +132,7 @@ BAD: list[tuple[type[Policy], str, str]] = [
     (Chancy, "repeatable", "at step 1 for the same keys; draw random numbers from the keys"),
     (Remembering, "reset", "at step 1 fresh and after other episodes; let reset forget"),
     (Peeking, "rows", "at step 1 in a batch and in another; read no row but its own"),
-    (ByKey, "second_holder", "beside the other holder of its episode and without; keep what"),
+    (ByKey, "owners", "beside the other owners of its episode and without; keep what"),
 ]
 
 

@@ -175,6 +175,11 @@ def test_what_is_no_mask_is_refused(mask: NDArray[Any]) -> None:
         env.reset(options={"reset_mask": mask})
 
 
+def test_a_batch_is_of_the_graph_world() -> None:
+    with pytest.raises(UserError, match=r"make_vec in the world 'hulls': .*mode='sync'"):
+        gymnasium.make_vec("mjforage/Foraging-v0", 2, world="hulls")
+
+
 def test_an_unknown_way_to_start_again_is_refused() -> None:
     with pytest.raises(UserError, match="autoreset_mode = 'Never': unknown; choose NextStep"):
         gymnasium.make_vec("mjforage/Foraging-v0", 2, autoreset_mode="Never")

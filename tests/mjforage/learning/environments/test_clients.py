@@ -1,7 +1,5 @@
 """The checkers of Gymnasium and PettingZoo, and the clients that are to work without adapters."""
 
-import os
-import shutil
 import subprocess
 import sys
 
@@ -80,52 +78,3 @@ def test_bad_options_are_named(options: dict[str, object], words: str) -> None:
     with pytest.raises(UserError) as raised:
         mjforage.parallel_env(**options)
     assert words in str(raised.value)
-
-
-SHOWN = """
-import gymnasium, mjforage
-from PIL import ImageGrab
-for name in ("mjforage/Foraging-v0", "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0"):
-    env = gymnasium.make(name, render_mode="human")
-    assert env.render_mode == "human" and env.unwrapped.metadata["render_modes"][1] == "human"
-    env.reset(seed=0)
-    first = ImageGrab.grab(xdisplay="").tobytes()
-    for _ in range(8):
-        env.step(env.action_space.sample())
-    assert len(set(first)) > 5 and ImageGrab.grab(xdisplay="").tobytes() != first, name
-    assert env.unwrapped.render() is None
-    env.close()
-assert len(set(ImageGrab.grab(xdisplay="").tobytes())) == 1  # the windows are closed
-print("shown")
-"""
-
-
-@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="needs a virtual display")
-def test_a_window_shows_the_present() -> None:
-    pytest.importorskip("tkinter")
-    done = subprocess.run(
-        ["xvfb-run", "-a", sys.executable, "-c", SHOWN], capture_output=True, text=True
-    )
-    assert done.stdout.strip() == "shown", done.stderr
-
-
-@pytest.mark.parametrize(
-    "made",
-    [
-        "mjforage.parallel_env(",
-        *(f"gymnasium.make('mjforage/{name}-v0', " for name in ("Foraging", "Waypoint")),
-    ],
-)
-def test_without_a_display_a_window_is_refused(made: str) -> None:
-    """By us, in one line: Gymnasium would put a window of pygame around the pictures."""
-    program = (
-        "import gymnasium, mjforage\nfrom mjforage.base.errors import UserError\n"
-        f"try:\n    {made}render_mode='human')\n"
-        "except UserError as error:\n    print(error)"
-    )
-    hidden = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True, env=hidden
-    )
-    words = "render_mode = 'human': there is no display; choose None, rgb_array"
-    assert not sys.platform.startswith("linux") or done.stdout.strip() == words

@@ -36,7 +36,11 @@ RADIO = (*SHORT, "link.model=disk", "link.range_m=40", *LOSSY)
 BLURRED = ("sensors.detection=0.7", "sensors.false_rate=0.01", "sensors.map=filtered")
 ENVIRONMENTS: dict[str, Make] = {
     **{f"graph {name}": make for name, make in foraging().items()},
-    **{f"physics {name}": make for name, make in foraging(world="physics").items()},
+    **{
+        f"physics {name}": make
+        for name, make in foraging(world="physics").items()
+        if name != "batch"
+    },
     "paper": foraging(observation="paper", dtype="uint8")["Foraging"],
     "link": foraging(set=RADIO)["parallel"],
     "link, sensors": foraging(set=(*RADIO, *BLURRED))["batch"],
@@ -129,7 +133,7 @@ def play_there(envs: list[Any], pipe: Any) -> None:
 def test_a_spawned_process_goes_on_to_the_bit() -> None:
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
-    envs = [begun(ENVIRONMENTS[name]) for name in ("graph parallel", "physics batch", "waypoint")]
+    envs = [begun(ENVIRONMENTS[name]) for name in ("graph batch", "physics parallel", "waypoint")]
     process = context.Process(target=play_there, args=(envs, there))
     process.start()
     told = here.recv()

@@ -58,6 +58,30 @@ def test_a_seed_is_an_episode_and_nothing_remains_of_the_one_before(name: str) -
     assert episode(used, 3, 2) != episode(used, 4, 2)
 
 
+@pytest.mark.parametrize("more", [(), ("link.model=disk", "link.range_m=32")])
+def test_the_parallel_view_repeats_and_changes_nothing_that_it_gave(more: tuple[str, ...]) -> None:
+    """Whole episodes, fresh and after another; `parallel_seed_test` checks one step only."""
+    envs = [mjforage.parallel_env(set=(*FEW, *more)) for _ in range(2)]
+    used, random, given = envs[0], np.random.default_rng(0), []
+    used.reset(seed=1)
+    used.step(dict.fromkeys(used.agents, 0))
+    found: list[Any] = [env.reset(seed=3) for env in envs]
+    while True:
+        for agent, seen in found[0][0].items():
+            assert used.observation_space(agent).contains(seen)
+            assert flat(seen) == flat(found[1][0][agent])
+            given.append((seen, flat(seen)))
+        assert found[0][1:] == found[1][1:]
+        state, other = (env.state() for env in envs)
+        assert used.state_space.contains(state) and flat(state) == flat(other)
+        given.append((state, flat(state)))
+        if not used.agents:
+            break
+        actions = {agent: int(random.integers(9)) for agent in used.agents}
+        found = [env.step(actions) for env in envs]
+    assert all(flat(seen) == before for seen, before in given)
+
+
 def test_a_seed_has_many_episodes() -> None:
     one, other = make(NAMES[0]), make(NAMES[0])
     one.reset(seed=8)

@@ -9,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 
 import mjforage
-from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.navigation import OFFSETS
 from mjforage.learning.environments.episode_figure import SIZE
 from mjforage.mission.setup import Setup
@@ -17,16 +16,10 @@ from mjforage.runs.episode_recording import Recording
 from mjforage.runs.recording import record
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.render import chart, map_film
-from mjforage.view.render.opengl import Canvas
 
 SHORT = ("horizon=14",)
 BY_STEP = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
 BY_FRAME = ("track_pose", "track_items", "track_present", "track_wind")
-THREE_D: dict[str, Any] = {
-    "world": "physics",
-    "render_mode": "rgb_array",
-    "set": ("horizon=3", "items.mean=4"),
-}
 
 
 @pytest.fixture(scope="module")
@@ -98,51 +91,7 @@ def test_what_a_picture_gathers_does_not_grow_with_the_episode() -> None:
     for _ in range(50):
         env.step(dict.fromkeys(env.agents, 8))
         assert env._figure is not None
-        replay = env._figure._replay(env.core, env._episodes)
+        replay = env._figure.recording(env.core, env._episodes)
         held.append(sum(getattr(replay, name).base.nbytes for name in BY_STEP[3:]))
     assert len(set(held)) == 1  # of the present alone, whatever the step
     assert replay.belief.shape[0] == 51
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"camera": "drone", "world": "physics"}, "camera = 'drone': unknown; choose overview"),
-        ({"camera": "chase"}, "camera = 'chase': the graph world has no hulls; choose world="),
-        ({"camera": "top", "world": "hulls", "render_mode": None}, "nothing is drawn without"),
-    ],
-)
-def test_a_camera_that_shows_nothing_is_refused(options: dict[str, Any], words: str) -> None:
-    with pytest.raises(UserError, match=words) as raised:
-        gymnasium.make("mjforage/Foraging-v0", **{"render_mode": "rgb_array"} | options)
-    assert "\n" not in str(raised.value)
-
-
-@pytest.mark.usefixtures("opengl")
-def test_a_camera_shows_the_hulls_and_closing_gives_opengl_back() -> None:
-    env = gymnasium.make("mjforage/Foraging-v0", camera="chase", **THREE_D)
-    env.reset(seed=1)
-    first = picture_of(env)
-    assert first.shape == (360, 640, 3) and len(np.unique(first)) > 50
-    canvas = Canvas._open
-    env.step(np.array([8, 8, 2, 2]))
-    later = picture_of(env)
-    assert Canvas._open is canvas  # the stage is built once for an episode
-    assert not np.array_equal(first, later)
-    env.reset(seed=1)
-    assert np.array_equal(picture_of(env), first)
-    env.close()
-    assert Canvas._open is None
-
-
-@pytest.mark.usefixtures("opengl")
-def test_environments_in_3d_take_turns_on_the_one_canvas() -> None:
-    envs = [mjforage.parallel_env(camera=name, **THREE_D) for name in ("overview", "scout")]
-    for env in envs:
-        env.reset(seed=1)
-    first = [env.render() for env in envs]
-    again = [env.render() for env in envs]
-    assert all(map(np.array_equal, first, again))
-    for env in envs:
-        env.close()
-    assert Canvas._open is None

@@ -85,14 +85,6 @@ def test_taken_items_are_gone(recording: Recording) -> None:
     assert shown > taken
 
 
-def test_a_view_that_goes_on_is_that_of_the_new_recording_alone(recording: Recording) -> None:
-    moved = recording.track_pose + np.array([3.0, 2.0, 0.5], np.float32)
-    alone = picture(recording, "chase", 2.0)
-    with HarbourView(replace(recording, track_pose=moved), "chase", *SIZE) as view:
-        view.go_on(recording)
-        np.testing.assert_array_equal(view.picture(2.0), alone)
-
-
 def test_the_mast_of_another_vessel_shows_another_view(recording: Recording) -> None:
     views = [picture(recording, "scout", 1.0, follow=name) for name in ("scouts_0", "scouts_1")]
     assert np.abs(views[0].astype(int) - views[1]).mean() > 3.0
