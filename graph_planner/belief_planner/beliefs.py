@@ -96,7 +96,7 @@ class Beliefs:
             spatial_prior_of(task.graph, settings.spread_node),
             tr.ended(4 * capacity),
             tr.losses(capacity),
-            rc.scratch(nodes),
+            np.zeros(nodes, np.int16),
             self._hypotheses.axis,
             self.expected,
             self.later,
@@ -186,7 +186,7 @@ class Beliefs:
         nobody = rc.Catch(foragers_at[:0], store.taken[e, :0])
         false_rate, least = store.assumed.false_rate, store.assumed.least
         doubts = rc.Doubts(self._missed_detections, false_rate, self.expected[e], least)
-        about = up.wander_of(store, e), nobody, doubts, store.scratch
+        about = up.wander_of(store, e), nobody, doubts, store.tracked
         new = rc.reconcile(tracks, boundary, edges, e, view, *about, ways, lost)
         new = lt.doubt(tracks, self._history, boundary, e, new, step, now, drift, ways, lost)
         last = slice(int(tracks.number[e]) - new, int(tracks.number[e]))

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.belief_planner.boundary import Boundary, boundary_of, settled
-from mjforage.graph_planner.belief_planner.group import Group
 from mjforage.graph_planner.belief_planner.move_preferences import towards
 from mjforage.graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
@@ -22,7 +21,7 @@ from mjforage.graph_planner.belief_planner.stops import (
     stops,
 )
 from mjforage.graph_planner.belief_planner.taking import Taking
-from mjforage.graph_planner.belief_planner.ways import Ways
+from mjforage.graph_planner.belief_planner.ways import Group, Ways
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Task
 from mjforage.scenario.roles import UNLIMITED

@@ -11,12 +11,11 @@ from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.connectivity import NOBODY, Connectivity
 from mjforage.graph_planner.belief_planner.covers import BlockCover, hotspot_cover, landmarks_of
 from mjforage.graph_planner.belief_planner.foraging import Foraging
-from mjforage.graph_planner.belief_planner.group import Group
-from mjforage.graph_planner.belief_planner.move_preferences import towards
+from mjforage.graph_planner.belief_planner.move_preferences import approach, regrets, towards
 from mjforage.graph_planner.belief_planner.scouting import Scouting
 from mjforage.graph_planner.belief_planner.settings import BeliefOptions, BeliefSettings
 from mjforage.graph_planner.belief_planner.target_values import TargetValues, summed
-from mjforage.graph_planner.belief_planner.waiting import approach, regrets
+from mjforage.graph_planner.belief_planner.ways import Group
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task

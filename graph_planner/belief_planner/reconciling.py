@@ -13,11 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.boundary import Boundary
-from mjforage.graph_planner.belief_planner.missed_detections import (
-    MissedDetections,
-    missed,
-    missed_detections,
-)
+from mjforage.graph_planner.belief_planner.missed_detections import MissedDetections, missed
 from mjforage.graph_planner.belief_planner.tracks import (
     CERTAIN,
     ENDED,
@@ -57,11 +53,6 @@ class Doubts(NamedTuple):
     least: float  # of them that may be anywhere
 
 
-def no_doubts(nodes: int) -> Doubts:
-    """Views show all that is in view, and nothing else."""
-    return Doubts(missed_detections(1, nodes, 0, np.ones(1)), 0.0, np.zeros(nodes), 0.0)
-
-
 class Catch(NamedTuple):
     """Items that vessels collected in the step just made; none where collecting is certain.
 
@@ -70,17 +61,6 @@ class Catch(NamedTuple):
 
     at: Int32Array  # (forager,) node in which each is now
     left: NDArray[np.int64]  # (forager,) items not yet found among the tracks; counted down
-
-
-class Scratch(NamedTuple):
-    """Memory between the parts of a reconciliation, all zero between calls."""
-
-    tracked: NDArray[np.int16]  # (node,) tracks counted in a node
-
-
-def scratch(nodes: int) -> Scratch:
-    """Memory for a map of so many nodes."""
-    return Scratch(np.zeros(nodes, np.int16))
 
 
 @kernel
@@ -247,7 +227,7 @@ def reconcile(
     wander: float,
     catch: Catch,
     doubts: Doubts,
-    memory: Scratch,
+    tracked: NDArray[np.int16],
     ways: Ended,
     lost: Lost,
 ) -> int:
@@ -262,11 +242,12 @@ def reconcile(
     wander : how uncertain an unseen track gets [node/step]
     catch : what foragers have taken
     doubts : what the view may have missed or invented
+    tracked : (node,) scratch, 0 between calls
     ways, lost : displacements that ended and items given up, added to
     """
     n, now = tracks.number[e], view.now
-    loose = _loosen(tracks, boundary, e, view, memory.tracked)
-    lacking, lacks = _lacks(tracks, e, view, memory.tracked)
+    loose = _loosen(tracks, boundary, e, view, tracked)
+    lacking, lacks = _lacks(tracks, e, view, tracked)
     settled_now = np.zeros(n, np.bool_)
     for i in range(n):
         if not loose[i] and view.last_seen[tracks.node[e, i]] == now:

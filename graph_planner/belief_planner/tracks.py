@@ -51,8 +51,6 @@ class Lost(NamedTuple):
     """Tracks that were given up although the item is not known to be collected."""
 
     number: NDArray[np.int64]  # (1,)
-    node: Int32Array  # (loss,) of the last sighting
-    step: Int32Array  # (loss,) of the last sighting
     born_node: Int32Array  # (loss,) of the first sighting
     born: Int32Array  # (loss,) step of the first sighting
 
@@ -91,8 +89,7 @@ def ended(capacity: int) -> Ended:
 
 def losses(capacity: int) -> Lost:
     """Room for so many losses."""
-    each = (np.zeros(capacity, np.int32) for _ in range(4))
-    return Lost(np.zeros(1, np.int64), *each)
+    return Lost(np.zeros(1, np.int64), np.zeros(capacity, np.int32), np.zeros(capacity, np.int32))
 
 
 @kernel
@@ -137,8 +134,7 @@ def drop(tracks: Tracks, boundary: Boundary, e: int, i: int, ways: Ended) -> Non
 def lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
     """List track i among those that were given up."""
     n = lost.number[0]
-    if n < lost.node.size:
-        lost.node[n], lost.step[n] = tracks.seen_node[e, i], tracks.seen[e, i]
+    if n < lost.born.size:
         lost.born_node[n], lost.born[n] = tracks.born_node[e, i], tracks.born[e, i]
         lost.number[0] = n + 1
 

@@ -58,7 +58,7 @@ class Store(NamedTuple):
     prior: SpatialPrior
     ways: tr.Ended  # empty between decisions
     lost: tr.Lost
-    scratch: rc.Scratch
+    tracked: NDArray[np.int16]  # (node,) scratch: tracks counted in a node
     axis: NDArray[np.float64]  # (value,) drifts per axis that the hypotheses combine
     expected: NDArray[np.float64]  # (row, node) unseen items
     later: NDArray[np.int64]  # (row, node) step until which hulls fail there
@@ -145,7 +145,7 @@ def settle(store: Store, seen: Observation, e: int, foragers_at: Int32Array) -> 
         wander_of(store, e),
         catch_of(store, seen, e),
         doubts,
-        store.scratch,
+        store.tracked,
         store.ways,
         store.lost,
     )

@@ -5,6 +5,7 @@ backwards from the target over the moves themselves. Rows are searched when firs
 kept; on a map too large for a table of all nodes, the oldest row makes room.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ from mjforage.base.row_cache import RowCache, row_of, rows_worth_keeping
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, TABLE_LIMIT, NavigationGraph
 from mjforage.mission.moves import free_move
+from mjforage.mission.task import Task
 
 UInt16Array = NDArray[np.uint16]
 
@@ -142,3 +144,31 @@ def ways_of(graph: NavigationGraph, moves: int, stay: bool, shorten: bool) -> Wa
         kept=RowCache.of(n, rows),
         decisions=np.empty((rows, n), np.uint16),
     )
+
+
+@dataclass(frozen=True)
+class Group:
+    """Agents that one search moves.
+
+    Attributes
+    ----------
+    agents : (member,) indices in the fleet
+    kind : (member,) which of `ways` it moves by
+    ways : one per number of nodes per decision
+    """
+
+    agents: NDArray[np.int64]
+    kind: NDArray[np.int64]
+    ways: tuple[Ways, ...]
+
+    @classmethod
+    def of(cls, task: Task, agents: NDArray[np.int64]) -> "Group":
+        """The group of some agents of a task."""
+        lengths = sorted({int(m) for m in task.fleet.moves[agents]}) or [1]
+        kind = np.searchsorted(lengths, task.fleet.moves[agents]).astype(np.int64)
+        stay, shorten = task.rules.stay, task.rules.shorten
+        return cls(agents, kind, tuple(ways_of(task.graph, m, stay, shorten) for m in lengths))
+
+    def ways_of(self, agent: int) -> Ways:
+        """The ways of one of the agents."""
+        return self.ways[int(self.kind[np.flatnonzero(self.agents == agent)[0]])]

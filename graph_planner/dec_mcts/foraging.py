@@ -17,8 +17,6 @@ from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.stops import Floating
 from mjforage.graph_planner.belief_planner.taking import Taking
 from mjforage.graph_planner.belief_planner.ways import Ways
-from mjforage.graph_planner.dec_mcts.context import DecisionContext
-from mjforage.graph_planner.dec_mcts.draws import begin
 from mjforage.graph_planner.dec_mcts.plans import (
     Plans,
     end_turn,
@@ -26,7 +24,7 @@ from mjforage.graph_planner.dec_mcts.plans import (
     plans_of,
     take_candidates,
 )
-from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.search import DecisionContext, TreeOptions, begin
 from mjforage.graph_planner.dec_mcts.tours import (
     claims_of,
     sample_claims,
@@ -42,7 +40,7 @@ _TURNS = 1 << 20  # where the indices of draws begin
 
 @kernel
 def plan_turn(
-    effort: Effort,
+    effort: TreeOptions,
     legs: Legs,
     forager: int,
     tree: Tree,
@@ -72,7 +70,7 @@ def plan_turn(
 
 @kernel
 def search_tours(
-    effort: Effort, legs: Legs, follows: NDArray[np.float64], key: np.uint64, step: int
+    effort: TreeOptions, legs: Legs, follows: NDArray[np.float64], key: np.uint64, step: int
 ) -> NDArray[np.int64]:
     """The stop that each forager goes to first (forager,), `NOWHERE` where it has no plan.
 
@@ -111,7 +109,7 @@ def _plan_tours(
     taking: Taking,
     scratch: Scratch,
     preferences: NDArray[np.float64],
-    effort: Effort,
+    effort: TreeOptions,
     follows: NDArray[np.float64],
     key: np.uint64,
     step: int,
@@ -132,7 +130,7 @@ class TreeForaging(Foraging):
     """Foragers, each with its own tree."""
 
     def __init__(
-        self, task: Task, settings: BeliefSettings, effort: Effort, context: DecisionContext
+        self, task: Task, settings: BeliefSettings, effort: TreeOptions, context: DecisionContext
     ) -> None:
         super().__init__(task, settings)
         self._search, self._context, self._stay = effort, context, task.rules.stay

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.search import TreeOptions
 from mjforage.graph_planner.dec_mcts.tree import NONE, Tree
 from mjforage.graph_planner.graph.geodesics import Int32Array
 
@@ -130,7 +130,12 @@ def shift_chances(
 
 @kernel
 def end_turn(
-    effort: Effort, plans: Plans, agent: int, spread: float, turn: int, value: NDArray[np.float64]
+    effort: TreeOptions,
+    plans: Plans,
+    agent: int,
+    spread: float,
+    turn: int,
+    value: NDArray[np.float64],
 ) -> None:
     """Shift an agent's distribution towards its better plans, the colder the later its turn.
 

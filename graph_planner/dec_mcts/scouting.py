@@ -7,8 +7,6 @@ from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.scouting import Scouting
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.sweeps import Cover
-from mjforage.graph_planner.dec_mcts.context import DecisionContext
-from mjforage.graph_planner.dec_mcts.draws import begin
 from mjforage.graph_planner.dec_mcts.plans import (
     Plans,
     end_turn,
@@ -16,7 +14,7 @@ from mjforage.graph_planner.dec_mcts.plans import (
     plans_of,
     take_candidates,
 )
-from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.search import DecisionContext, TreeOptions, begin
 from mjforage.graph_planner.dec_mcts.sights import (
     Scouts,
     Sights,
@@ -48,7 +46,7 @@ def _most_in_view(scouts: Scouts, kind: int) -> float:
 
 @kernel
 def plan_turn(
-    effort: Effort,
+    effort: TreeOptions,
     scouts: Scouts,
     scout: int,
     most: float,
@@ -79,7 +77,7 @@ def plan_turn(
 
 @kernel
 def search_sweeps(
-    effort: Effort,
+    effort: TreeOptions,
     scouts: Scouts,
     follows: NDArray[np.float64],
     sights: Sights,
@@ -125,7 +123,7 @@ class TreeScouting(Scouting):
         task: Task,
         settings: BeliefSettings,
         agents: NDArray[np.int64],
-        effort: Effort,
+        effort: TreeOptions,
         context: DecisionContext,
     ) -> None:
         super().__init__(task, settings, agents)

@@ -14,9 +14,8 @@ from mjforage.base.compiled import inlined, kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.sweeps import SEEN, Cover
 from mjforage.graph_planner.belief_planner.ways import UNREACHED
-from mjforage.graph_planner.dec_mcts.draws import draw
 from mjforage.graph_planner.dec_mcts.plans import Plans, drawn_plan
-from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.search import TreeOptions, draw
 from mjforage.graph_planner.dec_mcts.tree import NONE, Tree, back_up, step_down
 from mjforage.graph_planner.graph.geodesics import Int32Array
 
@@ -65,7 +64,7 @@ def faded(fade: NDArray[np.float64], decisions: int) -> float:
 
 @kernel
 def sample_sights(
-    effort: Effort,
+    effort: TreeOptions,
     scouts: Scouts,
     plans: Plans,
     scout: int,
@@ -147,7 +146,9 @@ def left_unseen(cover: Cover, end: int, worth: float, sights: Sights) -> float:
 
 
 @kernel
-def sweep_value(effort: Effort, scouts: Scouts, s: int, plan: Int32Array, sights: Sights) -> float:
+def sweep_value(
+    effort: TreeOptions, scouts: Scouts, s: int, plan: Int32Array, sights: Sights
+) -> float:
     """Utility of a sequence of moves (step,) of a scout."""
     kind, end, worth, value = scouts.kind[s], scouts.at[s], 1.0, 0.0
     cover = scouts.covers[kind]
@@ -176,7 +177,7 @@ def _drawn_mark(cover: Cover, end: int, sights: Sights, state: UInt64Array) -> i
 
 @kernel
 def _next_move(
-    effort: Effort,
+    effort: TreeOptions,
     scouts: Scouts,
     kind: int,
     end: int,
@@ -204,7 +205,7 @@ def _next_move(
 
 @kernel
 def simulate_sweep(
-    effort: Effort,
+    effort: TreeOptions,
     scouts: Scouts,
     s: int,
     most: float,

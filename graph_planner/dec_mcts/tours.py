@@ -14,9 +14,8 @@ from mjforage.base.compiled import kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.routes import Legs
 from mjforage.graph_planner.belief_planner.stops import FAR
-from mjforage.graph_planner.dec_mcts.draws import draw
 from mjforage.graph_planner.dec_mcts.plans import Plans, drawn_plan
-from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.search import TreeOptions, draw
 from mjforage.graph_planner.dec_mcts.tree import NONE, Tree, back_up, step_down
 from mjforage.graph_planner.graph.geodesics import Int32Array
 
@@ -44,7 +43,7 @@ def _ways_from(legs: Legs, f: int, at: int) -> NDArray[np.float64]:
 
 @kernel
 def sample_claims(
-    effort: Effort,
+    effort: TreeOptions,
     legs: Legs,
     plans: Plans,
     forager: int,
@@ -101,7 +100,7 @@ def gain_of(first: float, amount: float, there: float, worth: float, room: float
 
 @kernel
 def _next_stop(
-    effort: Effort,
+    effort: TreeOptions,
     legs: Legs,
     f: int,
     at: int,
@@ -134,7 +133,7 @@ def _next_stop(
 
 @kernel
 def left_over(
-    effort: Effort,
+    effort: TreeOptions,
     legs: Legs,
     f: int,
     at: int,
@@ -154,7 +153,7 @@ def left_over(
 
 
 @kernel
-def tour_value(effort: Effort, legs: Legs, f: int, plan: Int32Array, claims: Claims) -> float:
+def tour_value(effort: TreeOptions, legs: Legs, f: int, plan: Int32Array, claims: Claims) -> float:
     """Utility of a sequence of stops (step,) of a forager."""
     visited, pace = np.zeros(legs.weight.size, np.bool_), -np.log(effort.discount)
     clock, at, room, value = 0.0, NONE, legs.room[f], 0.0
@@ -169,7 +168,7 @@ def tour_value(effort: Effort, legs: Legs, f: int, plan: Int32Array, claims: Cla
 
 @kernel
 def simulate_tour(
-    effort: Effort,
+    effort: TreeOptions,
     legs: Legs,
     f: int,
     tree: Tree,

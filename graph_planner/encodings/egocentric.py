@@ -32,7 +32,7 @@ from mjforage.graph_planner.encodings.shared_fields import (
     remember_items,
     share_fields,
 )
-from mjforage.graph_planner.encodings.ways import Ways, way_level
+from mjforage.graph_planner.encodings.ways import ItemWays, way_level
 from mjforage.graph_planner.graph.geodesics import FAR, Float32Array, Int32Array, Workspace
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.graph.visibility import NodeLists
@@ -158,7 +158,7 @@ class Memory(NamedTuple):
     seen_at: Int32Array  # (row,) step of the last look
     trail: Int32Array  # (row, agent, TRAIL) nodes, -1 for none
     nearby: Nearby
-    ways: Ways
+    ways: ItemWays
 
 
 class Pictures(NamedTuple):
@@ -274,7 +274,7 @@ class Egocentric:
             seen_at=np.zeros(episodes, np.int32),
             trail=np.full((*lead, TRAIL), -1, np.int32),
             nearby=Nearby.none_yet(*nodes),
-            ways=Ways.none_yet(*nodes),
+            ways=ItemWays.none_yet(*nodes),
         )
         self._out = {k: np.zeros((*lead, *shape), np.uint8) for k, shape in self.shapes.items()}
         local_map = self._out["local_map"].reshape(*lead, len(LOCAL_MAP), -1)

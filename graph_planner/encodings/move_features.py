@@ -91,7 +91,7 @@ def describe_moves(
 
     Parameters
     ----------
-    way : (node,) of `Ways`
+    way : (node,) of `ItemWays`
     """
     belief, agent_node, collects = seen.belief[e], seen.agent_node[e], arrays.collects
     targets, number, energy = arrays.targets, arrays.stride_number, seen.energy_left[e]

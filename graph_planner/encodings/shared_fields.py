@@ -17,7 +17,7 @@ from mjforage.graph_planner.encodings.samples import (
     share_out,
 )
 from mjforage.graph_planner.encodings.unseen import Unseen, list_nodes, nearest_is_itself
-from mjforage.graph_planner.encodings.ways import Ways, find_ways
+from mjforage.graph_planner.encodings.ways import ItemWays, find_ways
 from mjforage.graph_planner.graph.geodesics import (
     Int32Array,
     distances_to_nearest,
@@ -205,7 +205,7 @@ def share_fields(
     arrays: TaskArrays,
     chart: Chart,
     nearby: Nearby,
-    ways: Ways,
+    ways: ItemWays,
     fields: Fields,
     distances: Distances,
     global_map: Levels,

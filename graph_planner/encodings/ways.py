@@ -13,7 +13,7 @@ MOST_ROWS = 300  # of codes that are compared; beyond it a search is quicker
 WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
 
 
-class Ways(NamedTuple):
+class ItemWays(NamedTuple):
     """Distances, and what they were found from: they stand as long as that is the same."""
 
     distance: Float32Array  # (row, node) to the nearest known item [node], or inf
@@ -22,7 +22,7 @@ class Ways(NamedTuple):
     size: Int32Array  # (row,) how many; -1 if nothing stands
 
     @classmethod
-    def none_yet(cls, rows: int, nodes: int) -> "Ways":
+    def none_yet(cls, rows: int, nodes: int) -> "ItemWays":
         """Empty ways of so many rows, on a map of so many nodes."""
         return cls(
             np.zeros((rows, nodes), np.float32),
@@ -75,7 +75,7 @@ def find_ways(
     neighbours: Int32Array,
     codes: Codes,
     workspace: Workspace,
-    ways: Ways,
+    ways: ItemWays,
 ) -> None:
     """Bring row e of the distances up to date.
 

@@ -6,6 +6,8 @@ about items are those of the policy `belief`; the searches are those of `graph_p
 Over a link an owner plays the others' searches too, from its own knowledge.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +15,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.option_ranges import check_at_least, check_positive
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.dec_mcts.planner import TreePlanner
-from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.search import TreeOptions
 from mjforage.graph_planner.policies.registry import register
 from mjforage.mission.task import Observation, Task
 
@@ -57,43 +59,24 @@ class DecMctsPolicy:
         depth: int = 10,
         trust: float = 20.0,
     ) -> None:
-        counts = {"rounds": rounds, "simulations": simulations, "candidates": candidates}
+        given: dict[str, Any] = {n: v for n, v in locals().items() if n in TreeOptions._fields}
+        counts = {name: given[name] for name in ("rounds", "simulations", "candidates")}
         check_at_least("dec-mcts", 1, samples=samples, depth=depth, **counts)
-        shares = {
-            "discount": discount,
-            "look_discount": look_discount,
-            "forget": forget,
-            "cool": cool,
-            "rate": rate,
-        }
-        for name, share in shares.items():
-            if not 0.0 < share <= 1.0:
-                raise UserError(f"dec-mcts: {name} {share} is no share; give above 0 to 1")
-        for name, share in {"discount": discount, "look_discount": look_discount}.items():
-            if share == 1.0:
-                raise UserError(f"dec-mcts: {name} {share} is too large; give less than 1")
+        for name in ("discount", "look_discount", "forget", "cool", "rate"):
+            if not 0.0 < given[name] <= 1.0:
+                raise UserError(f"dec-mcts: {name} {given[name]} is no share; give above 0 to 1")
+        for name in ("discount", "look_discount"):
+            if given[name] == 1.0:
+                raise UserError(f"dec-mcts: {name} {given[name]} is too large; give less than 1")
         check_at_least("dec-mcts", 0, explore=explore, roam=roam)
         check_positive("dec-mcts", heat=heat, trust=trust)
-        self._effort = Effort(
-            rounds,
-            simulations,
-            candidates,
-            samples,
-            float(discount),
-            float(look_discount),
-            float(explore),
-            float(forget),
-            float(heat),
-            float(cool),
-            float(rate),
-            float(roam),
-            depth,
-            float(trust),
+        self._options = TreeOptions(
+            **{n: kind(given[n]) for n, kind in TreeOptions.__annotations__.items()}
         )
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self.planner = TreePlanner(task, keys, self._effort)
+        self.planner = TreePlanner(task, keys, self._options)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""

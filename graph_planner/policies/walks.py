@@ -1,13 +1,20 @@
-"""Walking straight until a length is used up or the way is blocked: Levy walks and wandering."""
+"""Straight walks until a length is used up or the way is blocked: Levy walks and wandering.
+
+Levy walks: paper, section "Experimental Study"; walk lengths are true Levy lengths (the published
+code draws them and then never uses them). Wandering: definitions, section 3. With nothing known,
+foragers walk like scouts.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, normal, stream_key, uniform
+from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY
-from mjforage.graph_planner.policy_parts.seeking import possible_targets
+from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.seeking import ItemSeeker, possible_targets
+from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 NO_HEADING = -1
@@ -73,20 +80,42 @@ def _walk(
             preferences[e, a, STAY] = -2.0
 
 
-class Walker:
-    """Straight walks of all agents; turns are uniform over the legal moves except straight back.
+class Walks:
+    """Straight walks; turns are uniform over the legal moves except straight back.
 
     Preference goes to the heading, then to the other moves at random, then back, then to staying.
+    Where items are known, foragers go to the nearest one by a shortest path.
     """
 
-    def __init__(self, task: Task, episodes: int, levy: bool) -> None:
-        self.cap = max(1, int(0.8 * max(task.graph.shape))) if levy else NO_LIMIT
-        agents = (episodes, len(task.fleet))
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Get ready for a batch of episodes (episode,)."""
+        agents = (keys.size, len(task.fleet))
+        self._plain, self._seeker = Plain(task, keys.size), ItemSeeker(task)
         heading, left = np.full(agents, NO_HEADING, np.int8), np.zeros(agents, np.int32)
         self._preferences = np.zeros((*agents, 9))
-        self._walk = BoundKernel(_walk, task.arrays, self.cap, heading, left, self._preferences)
+        longest = self._longest(task)
+        self._walk = BoundKernel(_walk, task.arrays, longest, heading, left, self._preferences)
 
-    def walk(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9) of the next step of every walk."""
+    def _longest(self, task: Task) -> int:
+        """Longest walk [decision]."""
+        return NO_LIMIT
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9)."""
+        observation = self._plain(observation)
         self._walk(observation)
+        self._seeker.guide(observation, self._preferences)
         return self._preferences
+
+
+@register("wanderer")
+class WandererPolicy(Walks):
+    """Straight on until blocked, never straight back; foragers go to the nearest known item."""
+
+
+@register("levy")
+class LevyPolicy(Walks):
+    """Levy walks; foragers go to the nearest known item."""
+
+    def _longest(self, task: Task) -> int:
+        return max(1, int(0.8 * max(task.graph.shape)))

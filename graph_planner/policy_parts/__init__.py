@@ -1,1 +1,1 @@
-"""Parts that several policies share: auctions, walks, routes and teams that track items."""
+"""Parts that several policies share: auctions, routes and teams that track items."""

@@ -34,7 +34,7 @@ class Sea(NamedTuple):
     latest: float  # decision after which nothing is met
 
 
-class Lots(NamedTuple):
+class Groups(NamedTuple):
     """Nodes with items, certain or probable."""
 
     node: Int32Array  # (lot,) now
@@ -78,7 +78,7 @@ def meet(
 
 
 @kernel
-def lots_of(items: Floating, boundary: Boundary) -> Lots:
+def groups_of(items: Floating, boundary: Boundary) -> Groups:
     """The items of every node in one lot."""
     place = np.full(boundary.rows.size, NOWHERE)
     n, count = 0, items.number[0]
@@ -97,7 +97,7 @@ def lots_of(items: Floating, boundary: Boundary) -> Lots:
         col[lot] += more * right
     for i in range(n):
         row[i], col[i] = row[i] / weight[i], col[i] / weight[i]
-    return Lots(node[:n], row[:n], col[:n], weight[:n])
+    return Groups(node[:n], row[:n], col[:n], weight[:n])
 
 
 @kernel
@@ -107,7 +107,7 @@ def _meet_all(
     f: int,
     at: int,
     free: float,
-    lots: Lots,
+    lots: Groups,
     open_: NDArray[np.bool_],
     when: NDArray[np.float64],
     where: Int32Array,
@@ -141,7 +141,7 @@ def assign(
     at : (forager,) nodes
     ahead : items that a forager is given at most
     """
-    lots, n_foragers = lots_of(items, sea.boundary), at.size
+    lots, n_foragers = groups_of(items, sea.boundary), at.size
     n = lots.node.size
     open_, room = np.ones(n, np.bool_), able.room.copy()
     when, where = np.full((n_foragers, n), FAR), np.full((n_foragers, n), np.int32(NOWHERE))

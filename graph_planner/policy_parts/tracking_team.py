@@ -16,13 +16,11 @@ from mjforage.graph_planner.belief_planner.beliefs import Beliefs
 from mjforage.graph_planner.belief_planner.connectivity import NOBODY
 from mjforage.graph_planner.belief_planner.covers import landmarks_of
 from mjforage.graph_planner.belief_planner.foraging import Collecting
-from mjforage.graph_planner.belief_planner.group import Group
-from mjforage.graph_planner.belief_planner.move_preferences import towards
+from mjforage.graph_planner.belief_planner.move_preferences import approach, towards
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.target_values import TargetValues, summed
-from mjforage.graph_planner.belief_planner.waiting import approach
-from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, search_on
+from mjforage.graph_planner.belief_planner.ways import UNREACHED, Group, Ways, search_on
 from mjforage.graph_planner.graph.geodesics import FAR, Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policy_parts.auctions import UNSOLD, FloatArray, in_view, sell_views

@@ -33,8 +33,7 @@ MEASURED = ("seconds",)  # what no seed decides
 class State(NamedTuple):
     """Copies of a trainer's state after some rounds."""
 
-    tensors: dict[str, NDArray[Any]]
-    weights: dict[str, NDArray[Any]]
+    arrays: dict[str, NDArray[Any]]  # of its networks and `tensors`, by name
     rows: list[Row]
 
 
@@ -70,14 +69,23 @@ class AlgorithmTrial:
 
     def fresh(self, **settings: Any) -> Algorithm[Any]:
         """A trainer that has not played."""
-        told = changed(self.made.settings(), {**SETTINGS, **self.settings, **settings})
-        return self.made([load_scenario(self.scenario, self.overrides)], told, self.seed)
+        chosen = changed(self.made.settings(), {**SETTINGS, **self.settings, **settings})
+        return self.made([load_scenario(self.scenario, self.overrides)], chosen, self.seed)
+
+    def played(self) -> State:
+        """After all rounds, played by a fresh trainer."""
+        trainer = self.fresh()
+        return state_of(trainer, [trainer.play_round() for _ in range(2 * self.rounds)])
 
     @cached_property
     def whole(self) -> State:
-        """After all rounds, played by one trainer."""
-        trainer = self.fresh()
-        return state_of(trainer, [trainer.play_round() for _ in range(2 * self.rounds)])
+        """The same, played once."""
+        return self.played()
+
+    def compare(self, check: str, one: State, other: State, before: str, after: str) -> None:
+        """Raise the error of a check, words around the difference, if two states differ."""
+        if found := _difference(one, other):
+            raise self.error(check, f"{before} {found}{after}")
 
     def error(self, check: str, words: str) -> ConformanceError:
         """Error of an algorithm that fails a check."""
@@ -86,16 +94,12 @@ class AlgorithmTrial:
 
 def state_of(trainer: Algorithm[Any], rows: list[Row]) -> State:
     """Copies of a trainer's tensors and of the weights that it would play with."""
-    weights = {
-        f"{team}.{name}": value
+    state = {
+        f"weights {team}.{name}": value
         for team, network in trainer.networks.items()
         for name, value in network.state_dict().items()
-    }
-    return State(_copied(trainer.tensors()), _copied(weights), rows)
-
-
-def _copied(tensors: Mapping[str, torch.Tensor]) -> dict[str, NDArray[Any]]:
-    return {name: value.detach().cpu().numpy().copy() for name, value in tensors.items()}
+    } | {f"tensors {name}": value for name, value in trainer.tensors().items()}
+    return State({n: v.detach().cpu().numpy().copy() for n, v in state.items()}, rows)
 
 
 def check_parts(trial: AlgorithmTrial) -> None:
@@ -148,15 +152,8 @@ def check_rounds(trial: AlgorithmTrial) -> None:
 
 def check_repeats(trial: AlgorithmTrial) -> None:
     """The same seed gives the same networks, tensors and rows, to the bit."""
-    again = trial.fresh()
-    found = _difference(
-        trial.whole, state_of(again, [again.play_round() for _ in range(2 * trial.rounds)])
-    )
-    if found:
-        raise trial.error(
-            "repeats",
-            f"of one seed gave {found}; draw from self.random alone, and seed what torch draws",
-        )
+    remedy = "; draw from self.random alone, and seed what torch draws"
+    trial.compare("repeats", trial.whole, trial.played(), "of one seed gave", remedy)
 
 
 def check_copies(trial: AlgorithmTrial) -> None:
@@ -166,16 +163,13 @@ def check_copies(trial: AlgorithmTrial) -> None:
     def copied(round: Round, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
         return {name: level.copy() for name, level in look(round, envs).items()}
 
-    other = trial.fresh()
     with patch.object(Round, "see", copied):
-        rows = [other.play_round() for _ in range(2 * trial.rounds)]
-    found = _difference(trial.whole, state_of(other, rows))
-    if found:
-        raise trial.error(
-            "copies",
-            f"gave {found}, once by the arrays of self.round.see and once by copies of them; copy "
-            "what is kept beyond the next look",
-        )
+        other = trial.played()
+    remedy = (
+        ", once by the arrays of self.round.see and once by copies of them; copy what is kept "
+        "beyond the next look"
+    )
+    trial.compare("copies", trial.whole, other, "gave", remedy)
 
 
 def check_beginning(trial: AlgorithmTrial) -> None:
@@ -187,14 +181,16 @@ def check_beginning(trial: AlgorithmTrial) -> None:
         save_weights(trainer, path)
         other = trial.fresh(initial=str(path))
         other.begin()
-    before, found = (state_of(one, []).weights for one in (trainer, other))
-    difference = _difference(State({}, before, []), State({}, found, []))
-    if difference:
-        raise trial.error(
-            "beginning",
-            f"that begins with the weights of another (--from) has {difference}, theirs and its; "
-            "`networks` gives the modules that train, and `copies` all that begin with the weights",
-        )
+    before, after = (
+        State({n: v for n, v in state_of(one, []).arrays.items() if n.startswith("weights")}, [])
+        for one in (trainer, other)
+    )
+    remedy = (
+        ", theirs and its; `networks` gives the modules that train, and `copies` all that begin "
+        "with the weights"
+    )
+    words = "that begins with the weights of another (--from) has"
+    trial.compare("beginning", before, after, words, remedy)
 
 
 def check_resuming(trial: AlgorithmTrial) -> None:
@@ -204,20 +200,14 @@ def check_resuming(trial: AlgorithmTrial) -> None:
         rows = [first.play_round() for _ in range(trial.rounds)]
         save_checkpoint(first, path)
         restore_checkpoint(second, path)
-    found = _difference(state_of(first, rows), state_of(second, rows))
-    if found:
-        raise trial.error(
-            "resuming",
-            f"has {found} before and after `restore`; bring back there all that `tensors` gives",
-        )
+    remedy = " before and after `restore`; bring back there all that `tensors` gives"
+    trial.compare("resuming", state_of(first, rows), state_of(second, rows), "has", remedy)
     rows += [second.play_round() for _ in range(trial.rounds)]
-    found = _difference(trial.whole, state_of(second, rows))
-    if found:
-        raise trial.error(
-            "resuming",
-            f"gave {found}, in one go and by a checkpoint on the way; keep in `tensors` "
-            "whatever a later round depends on, such as the state of an optimiser",
-        )
+    remedy = (
+        ", in one go and by a checkpoint on the way; keep in `tensors` whatever a later round "
+        "depends on, such as the state of an optimiser"
+    )
+    trial.compare("resuming", trial.whole, state_of(second, rows), "gave", remedy)
 
 
 def check_weights(trial: AlgorithmTrial) -> None:
@@ -290,20 +280,14 @@ def check_algorithm(
 
 def _difference(one: State, other: State) -> str:
     """First difference between two states, as text; "" if there is none."""
-    for kind, mine, its in (
-        ("weights", one.weights, other.weights),
-        ("tensors", one.tensors, other.tensors),
-    ):
-        if mine.keys() != its.keys():
-            return f"{kind} {sorted(mine.keys() ^ its.keys())[0]} once and once not"
-        for name, value in mine.items():
-            found = first_difference(value, its[name])
-            if found:
-                return f"{kind} {name} = {found}"
+    for name in sorted(one.arrays.keys() ^ other.arrays.keys()):
+        return f"{name} once and once not"
+    for name, value in one.arrays.items():
+        if found := first_difference(value, other.arrays[name]):
+            return f"{name} = {found}"
     for number, (row, its_row) in enumerate(zip(one.rows, other.rows, strict=True), 1):
         for name in sorted((row.keys() | its_row.keys()) - set(MEASURED)):
             pair = np.array([row.get(name, np.nan)]), np.array([its_row.get(name, np.nan)])
-            found = first_difference(*pair)
-            if found:
+            if found := first_difference(*pair):
                 return f"{name} = {found.partition(' at ')[0]} in round {number}"
     return ""

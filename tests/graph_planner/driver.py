@@ -4,6 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.belief_planner.missed_detections import missed_detections
+from mjforage.graph_planner.belief_planner.reconciling import Doubts
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.moves import MoveRules
@@ -55,6 +57,11 @@ def observation_of(
         **{f"delayed_{name}": part for name, part in no_delayed_scans(episodes)._asdict().items()},
         owner=np.full(episodes, -1, np.int32),
     )
+
+
+def no_doubts(nodes: int) -> Doubts:
+    """Views show all that is in view, and nothing else."""
+    return Doubts(missed_detections(1, nodes, 0, np.ones(1)), 0.0, np.zeros(nodes), 0.0)
 
 
 def truth_of(task: Task, observation: Observation) -> GroundTruth:

@@ -24,7 +24,7 @@ from mjforage.learning.environments.rewards import labelled
 from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
-from mjforage.learning.training.progress import Clock, Progress, Row
+from mjforage.learning.training.progress import Progress, Row
 from mjforage.learning.training.rounds import Round
 from mjforage.learning.training.task_families import training_task_of
 from mjforage.learning.training.tasks import TrainingTask, common_shapes
@@ -70,7 +70,6 @@ class Algorithm(Generic[Settings]):
     round : the one under way
     random : source of its draws; a checkpoint keeps its state
     progress : progress of the run
-    clock : CPU time by part
     """
 
     settings: ClassVar[type[CommonHyperparameters]]
@@ -113,7 +112,7 @@ class Algorithm(Generic[Settings]):
         fleet = self.setup.fleet
         self.agents = dict(zip(TEAMS, (fleet.discoverers, fleet.collectors), strict=True))
         self.random = np.random.Generator(np.random.PCG64(seed))
-        self.progress, self.clock = Progress(), Clock()
+        self.progress = Progress()
         self._booked = time.perf_counter()
 
     def _training_task(self, scenario: Scenario) -> TrainingTask:

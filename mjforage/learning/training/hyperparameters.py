@@ -88,9 +88,6 @@ class Hyperparameters(CommonHyperparameters):
     averaging: Annotated[float, Within(0, 1000)] = 1.0
     """Exponent eta of the average of weights that is evaluated and saved: after n updates they are
     n / (eta + 2) updates old on average."""
-    advantage_learning: Annotated[float, Within(0, 0.99)] = 0.0
-    """Weight alpha of advantage learning: the differences between the values of moves become
-    1 / (1 - alpha) times as large, while the best stays the best (Bellemare et al. 2016)."""
     updates_per_step: Annotated[float, Within(1e-3, 1000)] = 1.0
     """Updates of each team's network per step of the whole batch of episodes."""
     warmup: Annotated[int, Within(0, 10_000_000)] = 4000

@@ -106,7 +106,7 @@ class Learner:
         weights = self._tensor(batch.weights)
         with one_thread():
             levels = self._tensors(batch.levels)
-            goal = self._goal(batch, levels, moves)
+            goal = self._goal(batch)
             values = self.online(levels)
             chosen = values.gather(1, moves[:, None])[:, 0]
             error = chosen - goal
@@ -132,19 +132,12 @@ class Learner:
         return facts, errors
 
     @torch.no_grad()
-    def _goal(self, batch: Batch, levels: dict[str, Tensor], moves: Tensor) -> Tensor:
+    def _goal(self, batch: Batch) -> Tensor:
         """(row,) what the values of the moves taken should be."""
         following, legal = self._tensors(batch.following), self._tensor(batch.following_legal)
         best = self.online(following).masked_fill(~legal, -torch.inf).argmax(dim=1)
         hoped: Tensor = self.target(following).gather(1, best[:, None])[:, 0]
-        goal = self._tensor(batch.rewards) + self._tensor(batch.discount) * hoped
-        alpha = self.hyperparameters.advantage_learning
-        return goal - alpha * self._behind(batch, levels, moves) if alpha else goal
-
-    def _behind(self, batch: Batch, levels: dict[str, Tensor], moves: Tensor) -> Tensor:
-        """(row,) by how much the move taken is behind the best, as the target network has it."""
-        values: Tensor = self.target(levels).masked_fill(~self._tensor(batch.legal), -torch.inf)
-        return values.max(dim=1).values - values.gather(1, moves[:, None])[:, 0]
+        return self._tensor(batch.rewards) + self._tensor(batch.discount) * hoped
 
     @torch.no_grad()
     def _follow(self) -> None:

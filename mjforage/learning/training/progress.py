@@ -1,9 +1,7 @@
-"""Progress of a training run, and CPU time of its rounds by part."""
+"""Progress of a training run."""
 
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated
 
 from mjforage.base.fields import Within
 from mjforage.scenario.schema import OPEN
@@ -27,19 +25,3 @@ class Progress:
     seconds: Annotated[float, Within(0, 1e9)] = 0.0  # over all processes that worked on the run
     evaluated: Count = 0  # updates at the last evaluation that was due
     best: float = float("inf")  # of the evaluations' `rank`
-
-
-@dataclass
-class Clock:
-    """CPU seconds by part."""
-
-    seconds: dict[str, float] = field(
-        default_factory=lambda: dict.fromkeys(("environment", "network", "replay", "teacher"), 0.0)
-    )
-
-    def __call__(self, part: str, work: Callable[[], Any]) -> Any:
-        """Do work and book its time."""
-        started = time.process_time()
-        result = work()
-        self.seconds[part] += time.process_time() - started
-        return result

@@ -26,7 +26,6 @@ class Batch(NamedTuple):
 
     rows: NDArray[np.int64]
     levels: dict[str, NDArray[np.uint8]]
-    legal: NDArray[np.bool_]  # (row, 9)
     moves: NDArray[np.int64]
     demonstrated: NDArray[np.bool_]  # (row, 9) the teacher's moves; none where it was not asked
     rewards: NDArray[np.float32]  # discounted sum until the successor
@@ -213,7 +212,6 @@ class ReplayMemory:
         return Batch(
             rows=rows,
             levels={name: level[rows] for name, level in self.levels.items()},
-            legal=self.legal[rows],
             moves=self.moves[rows].astype(np.int64),
             demonstrated=self.demonstrated[rows],
             rewards=sums,

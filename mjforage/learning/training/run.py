@@ -8,7 +8,7 @@ Folder: `training.json` (command, algorithm, scenario, hyperparameters, seed, ve
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypedDict, TypeVar, Unpack
+from typing import Any, TypeVar
 
 import torch
 
@@ -59,26 +59,10 @@ Report = Callable[[str, Row], None]
 Made = TypeVar("Made", bound=Algorithm[Any])
 
 
-class RunOptions(TypedDict, total=False):
-    """Options of a run, see `train_with`."""
-
-    also: Sequence[Scenario]
-    evaluate: Sequence[Scenario]
-    seed: int
-    hours: float | None
-    updates: int | None
-    device: str
-    report: Report
-    resume: Resume
-
-
 def train(
-    scenario: Scenario,
-    hyperparameters: Hyperparameters,
-    folder: Path,
-    **options: Unpack[RunOptions],
+    scenario: Scenario, hyperparameters: Hyperparameters, folder: Path, **options: Any
 ) -> Trainer:
-    """Train the Double DQN, see `train_with`."""
+    """Train the Double DQN; `options` are those of `train_with`."""
     return train_with(Trainer, scenario, hyperparameters, folder, **options)
 
 

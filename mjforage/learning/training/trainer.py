@@ -6,7 +6,6 @@ the same weights whatever happened between them.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -104,15 +103,14 @@ class Trainer(Algorithm[Hyperparameters]):
             learner.restore(own)
 
     def _step(self, taught: NDArray[np.bool_] | None) -> Played:
-        clock = self.clock
         before, self._present = self._present, self.round.active.copy()
         self._open(np.where(self._present, PLAYED, np.where(before, FINAL, NOTHING)))
         preferences = self._preferences()
         demonstrated = np.zeros(preferences.shape, np.bool_)
         if taught is not None:
-            theirs, demonstrated = clock("teacher", self.round.demonstrated)
+            theirs, demonstrated = self.round.demonstrated()
             preferences[taught] = theirs[taught]
-        outcome: Played = clock("environment", lambda: self.round.play(preferences))
+        outcome = self.round.play(preferences)
         for team, learner in self.learners.items():
             ids = self.agents[team]
             learner.memory.close(
@@ -126,14 +124,14 @@ class Trainer(Algorithm[Hyperparameters]):
     def _open(self, kind: NDArray[np.int64]) -> None:
         """Show the learners what there is now, kind (env,) of row."""
         envs = np.flatnonzero(kind != NOTHING)
-        self._levels = self.clock("environment", lambda: self.round.see(envs))
+        self._levels = self.round.see(envs)
         self._legal = self.round.masks.astype(np.bool_)
         for team, learner in self.learners.items():
             ids = self.agents[team]
             levels = {n: v[:, ids].reshape(-1, *v.shape[2:]) for n, v in self._levels.items()}
             rows = np.repeat(kind, ids.size).astype(np.uint8)
             legal = self._legal[:, ids].reshape(-1, 9)
-            self.clock("replay", partial(learner.memory.open, levels, legal, rows))
+            learner.memory.open(levels, legal, rows)
 
     @property
     def _explore(self) -> float:
@@ -155,9 +153,7 @@ class Trainer(Algorithm[Hyperparameters]):
             env, number = np.nonzero(wanted)
             if env.size:
                 levels = {name: v[env, ids[number]] for name, v in self._levels.items()}
-                preferences[env, ids[number]] = self.clock(
-                    "network", partial(learner.values, levels)
-                )
+                preferences[env, ids[number]] = learner.values(levels)
         return preferences
 
     def _learn(self) -> list[dict[str, float]]:
@@ -179,11 +175,11 @@ class Trainer(Algorithm[Hyperparameters]):
 
     def update(self, learner: Learner, beta: float) -> dict[str, float]:
         """Draw, learn, and put the new priorities back."""
-        replay, hyperparameters, clock = learner.memory, self.hyperparameters, self.clock
-        batch = clock("replay", lambda: replay.draw(hyperparameters.batch, beta, self.random))
-        facts, errors = clock("network", lambda: learner.learn(batch))
-        clock("replay", lambda: replay.reprioritise(batch.rows, errors, hyperparameters.priority))
-        return dict(facts)
+        memory, settings = learner.memory, self.hyperparameters
+        batch = memory.draw(settings.batch, beta, self.random)
+        facts, errors = learner.learn(batch)
+        memory.reprioritise(batch.rows, errors, settings.priority)
+        return facts
 
 
 def _check_memory(

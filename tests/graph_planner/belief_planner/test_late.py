@@ -16,7 +16,7 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import NEVER
 from mjforage.scenario.roles import Role
-from tests.graph_planner.driver import observation_of, task_of
+from tests.graph_planner.driver import no_doubts, observation_of, task_of
 
 SEA = navigation_graph(np.ones((12, 30), np.bool_), 1.0, False)
 BOUNDARY = boundary_of(SEA)
@@ -33,7 +33,11 @@ class Past:
         nothing_missed = missed_detections(1, len(SEA), 20, np.ones(1))
         self.tracks = tr.tracks(1, 20)
         self.history = view_history(1, len(SEA), 20, 1, nothing_missed)
-        self.ways, self.lost, self.memory = tr.ended(90), tr.losses(20), rc.scratch(len(SEA))
+        self.ways, self.lost, self.memory = (
+            tr.ended(90),
+            tr.losses(20),
+            np.zeros(len(SEA), np.int16),
+        )
 
     def track(self, row: float, col: float, seen: int) -> None:
         i = int(self.tracks.number[0])
@@ -58,7 +62,7 @@ class Past:
         lt.work_back(tracks, BOUNDARY, 0, step, past, EAST)
         lt.collect(tracks, BOUNDARY, 0, step, foragers_at, EAST, ways, lost)
         view, nobody = rc.View(step, belief, seen), rc.Catch(NOBODY[:0], np.zeros(0, np.int64))
-        doubts = rc.no_doubts(len(SEA))
+        doubts = no_doubts(len(SEA))
         about = SEA.neighbours, 0, view, 0.1, nobody, doubts, self.memory, ways, lost
         new = rc.reconcile(tracks, BOUNDARY, *about)
         about_now = 0, new, step, self.now, EAST, ways, lost

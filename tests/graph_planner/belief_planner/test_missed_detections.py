@@ -91,7 +91,7 @@ class Watch:
     def __init__(self, chance: float, false_rate: float = 0.0, expected: float = 0.0) -> None:
         self.tracks, self.ways, self.lost = tr.tracks(1, 20), tr.ended(90), tr.losses(20)
         self.missed_detections = ms.missed_detections(1, NODES, 40, np.full(17, chance))
-        self.memory, self.step = rc.scratch(NODES), 0
+        self.memory, self.step = np.zeros(NODES, np.int16), 0
         everywhere = np.full(NODES, expected)
         self.doubts = rc.Doubts(self.missed_detections, false_rate, everywhere, 0.0)
 

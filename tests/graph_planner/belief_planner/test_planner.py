@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mjforage.graph_planner.belief_planner.move_preferences import approach, regrets
 from mjforage.graph_planner.belief_planner.settings import BeliefOptions, BeliefSettings
-from mjforage.graph_planner.belief_planner.waiting import approach, regrets
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
-from mjforage.graph_planner.policies import create_policy, is_upper_bound
+from mjforage.graph_planner.policies import is_upper_bound
 from mjforage.graph_planner.policies.belief import BeliefPolicy
 from mjforage.mission.task import NEVER
 from mjforage.scenario.prior import Prior
@@ -123,34 +123,10 @@ def test_a_scout_goes_back_to_what_was_known_long_ago(ghost: bool) -> None:
     assert int(scout.argmax()) in (SW, W, NW)
 
 
-def test_knowledge_is_forgotten_at_a_reset() -> None:
-    task = task_of(SEA, foragers=Role(1, 1, 1.0, True))
-    full = observation_of(task, [(10, 10)], {(10, 20): 3}, np.zeros(len(SEA), np.int16))
-    empty = observation_of(task, [(10, 10)], {}, None)
-    policy = create_policy(FAST)
-    policy.reset(task, full.keys)
-    policy.act(full)
-    policy.reset(task, empty.keys)
-    np.testing.assert_array_equal(policy.act(empty), preferences(FAST, task, empty))
-
-
-@pytest.mark.parametrize("scouts", [0, 1, 8])
-@pytest.mark.parametrize("foragers", [0, 1, 8])
-def test_any_fleet_gets_moves(ragged_coast: NavigationGraph, scouts: int, foragers: int) -> None:
-    if scouts + foragers == 0:
-        return
-    scout, forager = Role(scouts, 2, 4.0, False), Role(foragers, 1, 1.0, True)
-    task = task_of(ragged_coast, s=scout, f=forager)
-    nodes = np.linspace(0, len(ragged_coast) - 1, scouts + foragers).astype(int)
-    cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in nodes]
-    for known in ({}, {cells[0]: 2}):
-        observation = observation_of(task, cells, known, np.zeros(len(ragged_coast), np.int16))
-        moves = preferences(FAST, task, observation)
-        assert moves.shape == (1, scouts + foragers, 9)
-        assert not np.isnan(moves).any() and np.isfinite(moves.max(axis=2)).all()
-
-
-def test_roles_of_several_speeds_and_ranges_work_together(ragged_coast: NavigationGraph) -> None:
+@pytest.mark.parametrize("name", [FAST, "dec-mcts(rounds=1, simulations=4)"])
+def test_roles_of_several_speeds_and_ranges_work_together(
+    ragged_coast: NavigationGraph, name: str
+) -> None:
     task = task_of(
         ragged_coast,
         drone=Role(1, 3, 5.0, False),
@@ -161,7 +137,7 @@ def test_roles_of_several_speeds_and_ranges_work_together(ragged_coast: Navigati
     nodes = (3, 90, 140, 200)
     cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in nodes]
     observation = observation_of(task, cells, {cells[0]: 1}, np.zeros(len(ragged_coast), np.int16))
-    assert np.isfinite(preferences(FAST, task, observation).max(axis=2)).all()
+    assert np.isfinite(preferences(name, task, observation).max(axis=2)).all()
 
 
 def test_a_map_beyond_the_distance_table_works() -> None:
@@ -212,24 +188,6 @@ def test_a_known_item_is_foretold_by_its_chance() -> None:
     assert run_warnings([(here, here)]) == pytest.approx(1.0 - 0.05**2)
     assert run_warnings([(here,), ()], detection=0.5) == pytest.approx(0.8182, abs=1e-4)
     assert run_warnings([((15, 16),)]) == 0.0
-
-
-@pytest.mark.parametrize("name", ["belief", "oracle"])
-@pytest.mark.parametrize("spent", ["room", "energy"])
-def test_a_forager_that_can_collect_no_more_stays_and_leaves_its_stop_to_others(
-    name: str, spent: str
-) -> None:
-    """One beside the item, one four nodes off: the latter goes for it once the former is done."""
-    task = task_of(SEA, foragers=Role(2, 1, 1.0, True, 3, 50.0))
-    seen = np.zeros(len(SEA), np.int16)
-    observation = observation_of(task, [(10, 11), (10, 16)], {(10, 12): 1, (20, 22): 1}, seen)
-    if spent == "room":
-        observation.room_left[0, 0] = 0
-    else:
-        observation.energy_left[0, 0] = 0.0
-    moves = preferences(name, task, observation)[0]
-    assert int(moves[0].argmax()) == STAY
-    assert int(moves[1].argmax()) in (NW, W, SW)
 
 
 def test_items_in_the_node_of_a_full_forager_are_still_there() -> None:

@@ -5,6 +5,7 @@ from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner.boundary import Boundary, boundary_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
+from tests.graph_planner.driver import no_doubts
 
 SEA = navigation_graph(np.ones((12, 12), np.bool_), 1.0, False)
 BOUNDARY = boundary_of(SEA)
@@ -15,10 +16,14 @@ class Watch:
 
     def __init__(self, boundary: Boundary = BOUNDARY) -> None:
         self.boundary, self.tracks = boundary, tr.tracks(1, 20)
-        self.ways, self.lost, self.memory = tr.ended(50), tr.losses(20), rc.scratch(len(SEA))
+        self.ways, self.lost, self.memory = (
+            tr.ended(50),
+            tr.losses(20),
+            np.zeros(len(SEA), np.int16),
+        )
         self.last_seen = np.full(len(SEA), -32768, np.int16)
 
-    doubts = rc.no_doubts(len(SEA))
+    doubts = no_doubts(len(SEA))
 
     def view(
         self,
@@ -55,7 +60,7 @@ def test_what_a_hull_took_is_not_lost_and_what_it_missed_is_not_new() -> None:
     watch.view(0, {(3, 3): 3, (9, 9): 1})
     assert watch.view(1, {(3, 3): 1}, caught={(3, 4): 2}) == 0
     assert watch.cells == [(3, 3)] and watch.catch.left.tolist() == [0]
-    assert watch.lost.node[: watch.lost.number[0]].tolist() == [SEA.node_of_cell[9, 9]]
+    assert watch.lost.born_node[: watch.lost.number[0]].tolist() == [SEA.node_of_cell[9, 9]]
 
 
 def test_what_is_seen_becomes_tracks_once() -> None:
@@ -64,7 +69,7 @@ def test_what_is_seen_becomes_tracks_once() -> None:
     assert watch.view(1, {(3, 3): 2, (8, 1): 1}) == 0
     assert watch.cells == [(3, 3), (3, 3), (8, 1)]
     assert (watch.tracks.seen[0, :3] == 1).all() and (watch.tracks.born[0, :3] == 0).all()
-    assert (watch.memory.tracked == 0).all()
+    assert (watch.memory == 0).all()
 
 
 def test_a_track_moves_to_the_nearest_node_that_lacks_one() -> None:
@@ -80,11 +85,8 @@ def test_one_too_far_off_is_a_new_track_and_the_old_one_is_lost() -> None:
     watch.view(0, {(3, 3): 1})
     assert watch.view(1, {(9, 9): 1}) == 1
     assert watch.cells == [(9, 9)]
-    assert (watch.lost.number[0], watch.lost.node[0], watch.lost.step[0]) == (
-        1,
-        SEA.node_of_cell[3, 3],
-        0,
-    )
+    lost = watch.lost
+    assert (lost.number[0], lost.born_node[0], lost.born[0]) == (1, SEA.node_of_cell[3, 3], 0)
 
 
 def test_what_is_not_where_it_should_be_is_just_out_of_sight_if_it_can_be() -> None:

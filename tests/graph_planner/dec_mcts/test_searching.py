@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import bits, mix, to_uniform
 from mjforage.graph_planner.belief_planner.routes import Legs
 from mjforage.graph_planner.belief_planner.sweeps import Cover
-from mjforage.graph_planner.dec_mcts.draws import begin
 from mjforage.graph_planner.dec_mcts.foraging import plan_turn, search_tours
 from mjforage.graph_planner.dec_mcts.plans import (
     Plans,
@@ -17,7 +16,7 @@ from mjforage.graph_planner.dec_mcts.plans import (
     shift_chances,
     take_candidates,
 )
-from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.search import TreeOptions, begin
 from mjforage.graph_planner.dec_mcts.sights import (
     Scouts,
     faded,
@@ -29,7 +28,7 @@ from mjforage.graph_planner.dec_mcts.tours import claims_of, gain_of, sample_cla
 from mjforage.graph_planner.dec_mcts.tree import back_up, step_down, tree_of
 
 GAMMA, KEY = 0.9, np.uint64(77)
-EFFORT = Effort(4, 60, 6, 6, GAMMA, GAMMA, 0.3, 0.99, 0.1, 0.6, 0.3, 0.5, 8, 20.0)
+EFFORT = TreeOptions(4, 60, 6, 6, GAMMA, GAMMA, 0.3, 0.99, 0.1, 0.6, 0.3, 0.5, 8, 20.0)
 ALL = np.ones(2)
 
 
@@ -52,14 +51,14 @@ def sure(plans: Plans, agent: int, steps: list[int]) -> None:
 
 
 def test_draws_are_a_sequence_of_their_key() -> None:
-    from mjforage.graph_planner.dec_mcts import draws
+    from mjforage.graph_planner.dec_mcts import search
 
     state = begin(KEY, 3, 5)
     assert state[0] == bits(KEY, 3, 5)
     start = int(state[0])
     for i in (1, 2):
         expected = (start + i * 0x9E3779B97F4A7C15) % 2**64
-        assert draws.draw(state) == to_uniform(mix(np.uint64(expected)))
+        assert search.draw(state) == to_uniform(mix(np.uint64(expected)))
 
 
 def test_bounds_of_children_are_discounted() -> None:

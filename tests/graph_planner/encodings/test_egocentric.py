@@ -1,7 +1,5 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from mjforage.graph_planner.encodings.chart import COARSE, REACH
 from mjforage.graph_planner.encodings.egocentric import OWN, Egocentric
@@ -206,23 +204,6 @@ def test_the_agent_knows_what_it_has_left_and_who_is_with_it() -> None:
     assert [global_map[a, 5].astype(bool).sum() for a in range(3)] == [0, 1, 1]
     assert [global_map[a, 6].astype(bool).sum() for a in range(3)] == [2, 1, 1]
     assert global_map[0, 1, 0, 0] == 255 and global_map[0, 1].max() == 255
-
-
-@given(st.integers(0, 2**32 - 1))
-def test_the_batch_changes_no_level(seed: int) -> None:
-    graph, task = harbour()
-    random = np.random.default_rng(seed)
-    nodes = random.integers(0, len(graph), (5, 3))
-    alone, together = Egocentric(task), Egocentric(task)
-    together.reset(5)
-    cells = [[(int(graph.rows[n]), int(graph.cols[n])) for n in row] for row in nodes]
-    states = [observation_of(task, c, {c[0]: 1}, step=3) for c in cells]
-    joined = type(states[0])(*(np.concatenate(parts) for parts in zip(*states, strict=True)))
-    all_at_once = together.see(joined, np.arange(5))
-    for e, state in enumerate(states):
-        alone.reset(1)
-        for name, level in alone.see(state, ROW).items():
-            np.testing.assert_array_equal(level[0], all_at_once[name][e])
 
 
 def test_nodes_to_look_at_again_are_where_items_were_and_nobody_has_looked_since() -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.encodings.codes import PARTS, Codes
 from mjforage.graph_planner.encodings.move_features import FADING, _attraction
 from mjforage.graph_planner.encodings.samples import mean_gain
-from mjforage.graph_planner.encodings.ways import MOST_ROWS, Ways, find_ways, way_level
+from mjforage.graph_planner.encodings.ways import MOST_ROWS, ItemWays, find_ways, way_level
 from mjforage.graph_planner.graph.geodesics import Workspace
 from mjforage.graph_planner.graph.navigation import navigation_graph
 
@@ -44,7 +44,7 @@ def lists(random: np.random.Generator, count: int) -> list[NDArray[np.int32]]:
 @given(st.integers(0, 2**32 - 1), st.sampled_from([CODES, NO_CODES]))
 def test_ways_are_those_to_the_items_known_now(seed: int, codes: Codes) -> None:
     random = np.random.default_rng(seed)
-    ways, workspace = Ways.none_yet(2, NODES), Workspace.of(NODES)
+    ways, workspace = ItemWays.none_yet(2, NODES), Workspace.of(NODES)
     for pair in zip(lists(random, 20), lists(random, 20), strict=True):
         for e, known in enumerate(pair):
             find_ways(e, known, GRAPH.neighbours, codes, workspace, ways)
@@ -56,7 +56,7 @@ def test_ways_are_those_to_the_items_known_now(seed: int, codes: Codes) -> None:
 
 
 def test_ways_stand_while_the_same_items_are_known() -> None:
-    ways, workspace = Ways.none_yet(1, NODES), Workspace.of(NODES)
+    ways, workspace = ItemWays.none_yet(1, NODES), Workspace.of(NODES)
     known = np.array([3, 77], np.int32)
     find_ways(0, known, GRAPH.neighbours, CODES, workspace, ways)
     ways.distance[0, 0] = -1.0

@@ -3,7 +3,6 @@
 import itertools
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph

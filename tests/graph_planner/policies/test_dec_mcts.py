@@ -1,15 +1,12 @@
 """The policy dec-mcts, by hand on small maps."""
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
-from mjforage.graph_planner.dec_mcts.context import DecisionContext
+from mjforage.graph_planner.dec_mcts.search import DecisionContext
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
-from mjforage.graph_planner.policies import create_policy
-from mjforage.mission.task import Observation
 from mjforage.scenario.roles import Role
-from tests.graph_planner.driver import FREE, observation_of, preferences, task_of
+from tests.graph_planner.driver import observation_of, preferences, task_of
 
 N, NE, E, SE, S, SW, W, NW = range(8)
 
@@ -62,31 +59,3 @@ def test_scouts_look_where_something_is_to_be_seen() -> None:
     seen = observation_of(task, cells, {(1, 28): 2}, last_seen, step=21)
     moves = preferences("dec-mcts", task, seen)[0].argmax(axis=1)
     assert {E, NE, SE} & set(moves[:2].tolist())
-
-
-@pytest.mark.parametrize(
-    ("teams", "cells"),
-    [
-        ({"scouts": Role(2, 2, 4.0, False)}, 2),
-        ({"foragers": foragers(2)}, 2),
-        ({"scouts": Role(3, 2, 4.0, False), "near": Role(3, 1, 2.0, False)}, 6),
-        ({"scouts": Role(2, 2, 4.0, False), "foragers": foragers(3, capacity=1)}, 5),
-    ],
-)
-def test_any_fleet_is_answered_for(teams: dict[str, Role], cells: int) -> None:
-    task = task_of(lake(4, 9), FREE, 150, **teams)
-    seen = observation_of(task, [(1, c) for c in range(cells)], {(2, 5): 2, (0, 7): 1}, step=4)
-    seen.room_left[0, -1] = 0  # who is full stays, if it collects
-    got = preferences("dec-mcts(rounds=2, simulations=8)", task, seen)
-    assert not np.isnan(got).any() and np.isfinite(got.max(axis=2)).all()
-
-
-def test_draws_hang_on_the_episode_and_the_step() -> None:
-    task = task_of(lake(9, 9), foragers=foragers(1), scouts=Role(2, 1, 2.0, False))
-    seen = observation_of(task, [(4, 4), (4, 4), (4, 5)], step=3, episodes=3)
-    policy = create_policy("dec-mcts(rounds=1, simulations=3)")
-    policy.reset(task, seen.keys)
-    together = policy.act(seen).copy()
-    policy.reset(task, seen.keys[1:2])
-    alone = policy.act(Observation._make(part[1:2] for part in seen))
-    np.testing.assert_array_equal(together[1:2], alone)

@@ -13,7 +13,7 @@ from mjforage.graph_planner.policies import create_policy, register
 from mjforage.graph_planner.policies.greedy import _saturation
 from mjforage.graph_planner.policies.lawnmower import LawnmowerPolicy, lane_corners
 from mjforage.graph_planner.policies.registry import policy_files
-from mjforage.graph_planner.policy_parts.walking import Walker, levy_length
+from mjforage.graph_planner.policies.walks import LevyPolicy, levy_length
 from mjforage.mission.moves import MoveRules
 from mjforage.scenario.roles import Role
 from tests.graph_planner.charts import grid
@@ -139,7 +139,7 @@ def test_levy_lengths_are_levy_distributed_and_capped() -> None:
 
 def test_walks_are_at_most_four_fifths_of_the_longer_side() -> None:
     graph = navigation_graph(np.ones((10, 6), np.bool_), 1.0, False)
-    assert Walker(task_of(graph, scouts=SCOUT), 1, levy=True).cap == 8
+    assert LevyPolicy()._longest(task_of(graph, scouts=SCOUT)) == 8
 
 
 def walk(

@@ -10,7 +10,7 @@ from mjforage.graph_planner.belief_planner.stops import FAR, Floating, float_ite
 from mjforage.graph_planner.belief_planner.taking import Taking
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, row_to, ways_of
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
-from mjforage.graph_planner.policy_parts.meeting import Sea, assign, lots_of, meet
+from mjforage.graph_planner.policy_parts.meeting import Sea, assign, groups_of, meet
 from tests.graph_planner.charts import grid
 
 NO_TIME = Taking(np.zeros((1, 3, 4)), np.zeros(3), 0.0)
@@ -140,7 +140,7 @@ def test_ratios_are_of_rewards_over_times() -> None:
 def test_items_of_a_node_are_one_lot() -> None:
     graph = lake(5, 21)
     items = items_of((2.2, 5.0, 1.0), (1.8, 5.2, 0.5), (2.0, 8.0, 2.0), (0.0, 0.0, 0.0))
-    lots = lots_of(items, boundary_of(graph))
+    lots = groups_of(items, boundary_of(graph))
     assert lots.weight.tolist() == [1.5, 2.0]
     assert lots.row[0] == pytest.approx(3.1 / 1.5) and lots.col[0] == pytest.approx(7.6 / 1.5)
 

@@ -101,21 +101,13 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
                 last[ended] = self._values(seen, ended)
             present = now
         round = rollout.finished(last)
-        learned = self.clock(
-            "network", lambda: self.updates.learn(round, self.random, taught is not None)
-        )
+        learned = self.updates.learn(round, self.random, taught is not None)
         self.progress.updates += len(learned)
         return self.end_round(returns, learned)
 
     def _see(self, present: NDArray[np.bool_]) -> dict[str, NDArray[np.uint8]]:
         """Arrays of all episodes, those of `present` (env,) as they are now."""
-        envs = np.flatnonzero(present)
-
-        def look() -> dict[str, NDArray[np.uint8]]:
-            return {**self.round.see(envs), **critic_features(self.round)}
-
-        found: dict[str, NDArray[np.uint8]] = self.clock("environment", look)
-        return found
+        return {**self.round.see(np.flatnonzero(present)), **critic_features(self.round)}
 
     def _step(
         self,
@@ -133,11 +125,11 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         preferences[envs[:, None], np.arange(self.round.agents), moves] = CHOSEN
         demonstrated = np.zeros(preferences.shape, np.bool_)
         if taught is not None:
-            theirs, demonstrated = self.clock("teacher", self.round.demonstrated)
+            theirs, demonstrated = self.round.demonstrated()
             preferences[taught] = theirs[taught]
-        outcome = self.clock("environment", lambda: self.round.play(preferences))
+        outcome = self.round.play(preferences)
         share = self.hyperparameters.shared
-        own: NDArray[np.float64] = outcome.rewards
+        own = outcome.rewards
         mean = own.mean(axis=1, keepdims=True)
         paid = ((1.0 - share) * own + share * mean)[envs].astype(np.float32)
         ends = outcome.terminated[envs]
@@ -162,14 +154,10 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         seen: Mapping[str, NDArray[np.uint8]],
         envs: NDArray[np.int64],
     ) -> NDArray[np.float32]:
-        def ask() -> NDArray[np.float32]:
-            with torch.no_grad(), one_thread():
-                own = {name: torch.from_numpy(level[envs]) for name, level in seen.items()}
-                out: NDArray[np.float32] = network(own).numpy()
-            return out
-
-        found: NDArray[np.float32] = self.clock("network", ask)
-        return found
+        with torch.no_grad(), one_thread():
+            own = {name: torch.from_numpy(level[envs]) for name, level in seen.items()}
+            out: NDArray[np.float32] = network(own).numpy()
+        return out
 
     def _check_memory(self) -> None:
         """Refuse rounds that do not fit into this machine."""

@@ -12,35 +12,18 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
-from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.scoring import METRICS, Scorer
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
-from mjforage.scenario.scenario import Scenario
-from mjforage.scenario.scenario_file import load_scenario
-from tests.mjforage.learning.training.tiny_runs import placed
-
-TINY = {"num_envs": 3, "capacity": 1000, "batch": 16, "warmup": 20, "evaluate_episodes": 5}
-
-
-def scenario(*changes: str) -> Scenario:
-    return load_scenario("comb-port", ("horizon=12", *changes))
-
-
-def on(reference: str) -> Scenario:
-    return placed(scenario(), reference)
-
-
-def settings(**changes: object) -> Hyperparameters:
-    return changed(Hyperparameters(), TINY | changes)
+from tests.mjforage.learning.training.tiny_runs import comb_port, on, placed, small
 
 
 @pytest.mark.parametrize("world", ["graph", "hulls"])
 def test_maps_share_the_episodes(world: str) -> None:
     """Episode i is on map i modulo their number: 3 of 5 on the first, 2 on the second."""
-    first = scenario("period_s=3")  # in which hulls do not get far
+    first = comb_port("period_s=3")  # in which hulls do not get far
     pair = [first, placed(first, "harbour:combs:901")]
     options = partial(EnvironmentOptions, world=world)
     found = Evaluation(pair, options, 5).scores(create_policy("greedy"))
@@ -71,20 +54,20 @@ def test_a_familys_harbours_are_maps_of_their_own() -> None:
 
 @pytest.mark.every_capability
 def test_a_run_is_judged_on_them_and_goes_on_only_with_them(tmp_path: Path) -> None:
-    first, judged = scenario(), [on("harbours:900-901")]
-    train(first, settings(), tmp_path, evaluate=judged, seed=3, updates=10)
+    first, judged = comb_port(), [on("harbours:900-901")]
+    train(first, small(), tmp_path, evaluate=judged, seed=3, updates=10)
     (written,) = json.loads((tmp_path / "training.json").read_text())["evaluate"]
     assert written["map"]["file"] == "harbours:900-901"
-    trainer = train(first, settings(), tmp_path, evaluate=judged, seed=3, updates=20)
+    trainer = train(first, small(), tmp_path, evaluate=judged, seed=3, updates=20)
     last = pl.read_parquet(tmp_path / "evaluations.parquet").row(-1, named=True)
     assert last["updates"] == trainer.progress.updates >= 20
     again = trainer.evaluate()
     assert again["pta_d"] == last["pta_d"]
-    at_home = Trainer([first], settings(), seed=3)
+    at_home = Trainer([first], small(), seed=3)
     at_home.restore(trainer.tensors())
     assert at_home.evaluate()["pta_d"] != last["pta_d"]
     with pytest.raises(UserError, match=r"evaluate differs; maps is "):
-        train(first, settings(), tmp_path, seed=3, updates=30)
+        train(first, small(), tmp_path, seed=3, updates=30)
 
 
 @pytest.mark.parametrize(
@@ -96,17 +79,17 @@ def test_a_run_is_judged_on_them_and_goes_on_only_with_them(tmp_path: Path) -> N
     ],
 )
 def test_what_cannot_be_evaluated_is_refused_at_once(judged: str, words: str) -> None:
-    trainer = Trainer([scenario()], settings())
+    trainer = Trainer([comb_port()], small())
     with pytest.raises(UserError, match=words):
         trainer.evaluate_on([on(judged)])
-    assert trainer.evaluation.scenarios == (scenario(),)
+    assert trainer.evaluation.scenarios == (comb_port(),)
 
 
 def test_other_fleets_and_arrays_are_refused() -> None:
-    trainer = Trainer([scenario()], settings())
+    trainer = Trainer([comb_port()], small())
     with pytest.raises(UserError, match=r"fleets or arrays differ"):
-        trainer.evaluate_on([scenario("team.scouts.count=3")])
-    by_map = Trainer([scenario()], settings(observation="paper"))
+        trainer.evaluate_on([comb_port("team.scouts.count=3")])
+    by_map = Trainer([comb_port()], small(observation="paper"))
     with pytest.raises(UserError, match=r"fleets or arrays differ; give .* egocentric"):
         by_map.evaluate_on([on("harbour:combs:900")])
 
@@ -116,5 +99,5 @@ def test_every_map_has_its_own_scores_where_there_are_several() -> None:
     row = both.scores(create_policy("greedy"))
     combs, basins = (row[f"pta_d/comb-port:harbour:{name}"] for name in ("combs:900", "basins:901"))
     assert row["pta_d"] == pytest.approx((3 * combs + 2 * basins) / 5)
-    alone = Evaluation([scenario()], EnvironmentOptions, 5).scores(create_policy("greedy"))
+    alone = Evaluation([comb_port()], EnvironmentOptions, 5).scores(create_policy("greedy"))
     assert not any("/" in name for name in alone)

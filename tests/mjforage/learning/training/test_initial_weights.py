@@ -13,42 +13,28 @@ from mjforage.graph_planner.networks.weights import load_networks, shipped_weigh
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.training.algorithm import save_weights
 from mjforage.learning.training.evaluation import HELD_OUT
-from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.mission import Mission
 from mjforage.mission.scoring import METRICS, Scorer
 from mjforage.mission.setup import Setup
-from mjforage.scenario.scenario import Scenario
-from mjforage.scenario.scenario_file import load_scenario
-
-TINY = {
-    "num_envs": 2,
-    "capacity": 1000,
-    "batch": 16,
-    "warmup": 20,
-    "evaluate_every": 1000,
-    "evaluate_episodes": 3,
-}
-
-
-def scenario(*changes: str) -> Scenario:
-    return load_scenario("comb-port", ("horizon=12", *changes))
+from tests.mjforage.learning.training.tiny_runs import comb_port, small
 
 
 def settings(**changes: object) -> Hyperparameters:
-    return changed(Hyperparameters(), TINY | {"initial": "ddqn"} | changes)
+    return small(**{"initial": "ddqn", **changes})
 
 
 def begun(**changes: object) -> Trainer:
-    trainer = Trainer([scenario()], settings(**changes))
+    trainer = Trainer([comb_port()], settings(**changes))
     trainer.begin()
     return trainer
 
 
 def test_all_networks_begin_with_the_weights_and_optimisers_anew() -> None:
     trainer = begun()
-    shipped = load_networks(shipped_weights("ddqn"), Setup.of(scenario()).task)
+    shipped = load_networks(shipped_weights("ddqn"), Setup.of(comb_port()).task)
     for team, learner in trainer.learners.items():
         parts = [part for part in vars(learner).values() if isinstance(part, torch.nn.Module)]
         assert len(parts) >= 2
@@ -62,11 +48,11 @@ def test_all_networks_begin_with_the_weights_and_optimisers_anew() -> None:
 
 def test_the_first_evaluation_is_that_of_the_weights(tmp_path: Path) -> None:
     """Before any update: of the policy that plays them, the best until a better one is found."""
-    train(scenario(), settings(), tmp_path, updates=1)
+    train(comb_port(), settings(), tmp_path, updates=1)
     first = pl.read_parquet(tmp_path / "evaluations.parquet").row(0, named=True)
     assert first["updates"] == first["rounds"] == 0
-    mission = Mission(Setup.of(scenario()))
-    mission.reset(HELD_OUT, np.arange(3))
+    mission = Mission(Setup.of(comb_port()))
+    mission.reset(HELD_OUT, np.arange(5))
     scorer = Scorer(mission, [METRICS.find(key) for key in ("pta_d", "pta_c")])
     mission.run(create_policy("ddqn"), (scorer,))
     for name, values in scorer.scores().scalars.items():
@@ -105,8 +91,8 @@ def test_weights_that_do_not_fit_are_refused(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("bad.safetensors").write_bytes(b"none")
-    alone = scenario("team.scouts.count=0", "map.starts=[]")
+    alone = comb_port("team.scouts.count=0", "map.starts=[]")
     save_weights(Trainer([alone], settings(initial="")), Path("small.safetensors"))
     with pytest.raises(UserError, match=words):
-        train(scenario(), settings(**changes), tmp_path / "run", updates=1)
+        train(comb_port(), settings(**changes), tmp_path / "run", updates=1)
     assert not (tmp_path / "run").exists()

@@ -1,24 +1,20 @@
 """The algorithm on problems whose values are known."""
 
-import itertools
-
 import numpy as np
 import pytest
 import torch
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.encodings import Shapes
-from mjforage.graph_planner.networks.inference import values_of
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.learner import Learner, lead_lacking
-from mjforage.learning.training.replay_memory import FINAL, PLAYED, Batch
+from mjforage.learning.training.replay_memory import Batch
 from mjforage.learning.training.trainer import Trainer
 from mjforage.scenario.scenario_file import load_scenario
 
 pytestmark = pytest.mark.every_capability
 
 SHAPES: Shapes = {"x": (2,)}
-FIRST, SECOND = np.array([[255, 0]], np.uint8), np.array([[0, 255]], np.uint8)
 
 
 def learner(seed: int = 0, **changes: object) -> Learner:
@@ -27,21 +23,13 @@ def learner(seed: int = 0, **changes: object) -> Learner:
     return Learner(SHAPES, 1, hyperparameters, seed)
 
 
-def batch(
-    following: list[int],
-    discount: float = 0.5,
-    demonstrated: tuple[int, ...] = (),
-    legal: tuple[int, ...] = tuple(range(9)),
-) -> Batch:
-    """Legal moves before and after move 3, which earned 1."""
-    before, after = np.zeros((2, 1, 9), np.bool_)
-    before[0, list(legal)] = after[0, following] = True
-    teacher = np.zeros((1, 9), np.bool_)
-    teacher[0, list(demonstrated)] = True
+def batch(following: list[int], discount: float = 0.5, demonstrated: tuple[int, ...] = ()) -> Batch:
+    """Legal moves after move 3, which earned 1."""
+    after, teacher = np.zeros((2, 1, 9), np.bool_)
+    after[0, following] = teacher[0, list(demonstrated)] = True
     return Batch(
         rows=np.zeros(1, np.int64),
         levels={"x": np.array([[255, 0]], np.uint8)},
-        legal=before,
         moves=np.array([3]),
         demonstrated=teacher,
         rewards=np.ones(1, np.float32),
@@ -76,21 +64,6 @@ def test_nothing_is_hoped_for_after_the_end() -> None:
     assert errors[0] == pytest.approx(value - 1.0, abs=1e-5)
 
 
-@pytest.mark.parametrize("legal", [(3,), (3, 5, 8), tuple(range(9))])
-def test_advantage_learning_takes_off_what_the_move_is_behind(legal: tuple[int, ...]) -> None:
-    """Behind the best legal move, as the target network has it (Bellemare et al. 2016, eq. 9)."""
-    one = learner(advantage_learning=0.75)
-    with torch.no_grad():
-        for parameter in one.target.parameters():
-            parameter.mul_(3.0)
-    b = batch([0], discount=0.0, legal=legal)
-    here = {"x": torch.from_numpy(b.levels["x"])}
-    value, theirs = float(one.online(here).detach()[0, 3]), one.target(here)[0]
-    behind = float(theirs[list(legal)].max() - theirs[3])
-    _, errors = one.learn(b)
-    assert errors[0] == pytest.approx(value - (1.0 - 0.75 * behind), abs=1e-5)
-
-
 def test_the_target_follows_slowly() -> None:
     one = learner(target_rate=0.25)
     old = [p.clone() for p in one.target.parameters()]
@@ -118,37 +91,6 @@ def test_any_of_the_shown_moves_may_lead() -> None:
     torch.testing.assert_close(found, torch.tensor([0.0, 2.5 - 1.8]))
     nothing = lead_lacking(values, torch.zeros_like(both), margin=0.5)
     torch.testing.assert_close(nothing, torch.zeros(2))
-
-
-def play_chain(one: Learner, pairs: NDArray[np.int64]) -> None:
-    """Moves (pair, 2): move 1 in the first state earns 1 and leads to the second, where move 2
-    earns 3 and ends.
-    """
-    legal, nothing = np.ones((1, 9), np.bool_), np.zeros((1, 9), np.bool_)
-    for a, b in pairs:
-        one.memory.open({"x": FIRST}, legal, np.array([PLAYED], np.uint8))
-        one.memory.close(np.array([a]), nothing, np.array([float(a == 1)]), np.array([a != 1]))
-        if a == 1:
-            one.memory.open({"x": SECOND}, legal, np.array([PLAYED], np.uint8))
-            one.memory.close(np.array([b]), nothing, np.array([3.0 * (b == 2)]), np.array([True]))
-        one.memory.open({"x": SECOND}, legal, np.array([FINAL], np.uint8))
-        one.memory.finish()
-
-
-def test_advantage_learning_widens_the_gaps_and_leaves_the_best() -> None:
-    """With alpha = 0.5 every move is twice as far behind the best, whose value stays."""
-    one = learner(0, batch=32, target_rate=0.1, advantage_learning=0.5)
-    random = np.random.default_rng(0)
-    play_chain(one, random.permutation(5 * list(itertools.product(range(9), repeat=2))))
-    for _ in range(800):
-        drawn = one.memory.draw(32, 0.5, random)
-        _, errors = one.learn(drawn)
-        one.memory.reprioritise(drawn.rows, errors, 0.6)
-    values = values_of(one.average, {"x": np.concatenate((FIRST, SECOND))})
-    best = np.array([2.5, 3.0])
-    expected = np.tile(-best[:, None], 9)  # 0 without advantage learning
-    expected[[0, 1], [1, 2]] = best
-    np.testing.assert_allclose(values, expected, atol=0.2)
 
 
 @pytest.mark.parametrize("eta", [0.0, 1.0, 3.0])

@@ -62,18 +62,6 @@ def test_they_work_on_other_maps_and_fleets() -> None:
             assert scores(setup, name, 4)["pta_c"] > scores(setup, "random", 4)["pta_c"]
 
 
-@pytest.mark.every_capability
-def test_decisions_do_not_depend_on_the_batch(published: Setup) -> None:
-    nodes = []
-    for episodes in (np.arange(5), np.array([3])):
-        mission = Mission(published)
-        mission.reset(2, episodes)
-        log = EpisodeLog(mission)
-        mission.run(create_policy("ddqn-reward"), (log,))
-        nodes.append(log.agent_node[int(np.flatnonzero(episodes == 3)[0])])
-    assert nodes[0].tobytes() == nodes[1].tobytes()
-
-
 NODES = {
     "ddqn": "446b2b230374559c",
     "ddqn-reward": "8afff6205b9e60a2",

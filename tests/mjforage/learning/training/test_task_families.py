@@ -5,29 +5,12 @@ from dataclasses import replace
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.trainer import Trainer
-from mjforage.scenario.scenario import Scenario
-from mjforage.scenario.scenario_file import load_scenario
-from tests.mjforage.learning.training.tiny_runs import placed
-
-TINY = {"num_envs": 3, "capacity": 1000, "batch": 16, "warmup": 20, "evaluate_episodes": 2}
-
-
-def scenario() -> Scenario:
-    return load_scenario("comb-port", ("horizon=8",))
-
-
-def on(reference: str) -> Scenario:
-    return placed(scenario(), reference)
-
-
-def settings(**changes: object) -> Hyperparameters:
-    return changed(Hyperparameters(), TINY | changes)
+from tests.mjforage.learning.training.tiny_runs import comb_port, on, small
 
 
 def test_each_turn_takes_the_next_harbour() -> None:
-    trainer = Trainer([scenario(), on("harbours:5-7")], settings(), seed=3)
+    trainer = Trainer([comb_port(), on("harbours:5-7")], small(), seed=3)
     names = []
     for _ in range(10):
         trainer.play_round()
@@ -47,9 +30,9 @@ def test_each_turn_takes_the_next_harbour() -> None:
 
 
 def test_values_are_drawn_on_harbours_too() -> None:
-    linked = replace(on("harbours:5-6"), link=replace(scenario().link, model="disk"))
-    home = load_scenario("comb-port", ("horizon=8", "link.model=disk"))
-    trainer = Trainer([home, linked], settings(**{"vary.link.range_m": [16, 1e6]}), seed=3)
+    linked = replace(on("harbours:5-6"), link=replace(comb_port().link, model="disk"))
+    home = comb_port("link.model=disk")
+    trainer = Trainer([home, linked], small(**{"vary.link.range_m": [16, 1e6]}), seed=3)
     trainer.play_round()
     trainer.play_round()
     assert {core.setup.grid.name.split(":")[1] for core in trainer.round.cores} == {"combs"}
@@ -65,9 +48,9 @@ def test_values_are_drawn_on_harbours_too() -> None:
 )
 def test_a_family_that_cannot_be_is_refused(first: str, also: str, words: str) -> None:
     with pytest.raises(UserError, match=words):
-        Trainer([on(first), on(also)], settings())
+        Trainer([on(first), on(also)], small())
 
 
 def test_arrays_of_the_maps_size_are_refused_at_once() -> None:
     with pytest.raises(UserError, match=r"fleets or arrays differ; .* egocentric"):
-        Trainer([scenario(), on("harbours:0-1")], settings(observation="paper"))
+        Trainer([comb_port(), on("harbours:0-1")], small(observation="paper"))

@@ -21,8 +21,22 @@ def scenario() -> Scenario:
     return load_scenario("published", ("horizon=12",))
 
 
+def comb_port(*changes: str) -> Scenario:
+    return load_scenario("comb-port", ("horizon=12", *changes))
+
+
+def on(reference: str) -> Scenario:
+    """The same on another map."""
+    return placed(comb_port(), reference)
+
+
 def hyperparameters(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), TINY | changes)
+
+
+def small(**changes: object) -> Hyperparameters:
+    """Of a run that is judged at its end only."""
+    return hyperparameters(warmup=20, evaluate_every=1000, evaluate_episodes=5, **changes)
 
 
 def placed(home: Scenario, reference: str) -> Scenario:

@@ -56,21 +56,6 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, MappoTrain
     return folder, run(folder, 12)
 
 
-def test_n_and_m_updates_are_n_stop_resume_m(
-    finished: tuple[Path, MappoTrainer], tmp_path: Path
-) -> None:
-    run(tmp_path / "run", 6)
-    resumed = run(tmp_path / "run", 12)
-    first, second = finished[1].tensors(), resumed.tensors()
-    assert first.keys() == second.keys()
-    for name, value in first.items():
-        assert torch.equal(value, second[name]), name
-    assert resumed.progress.updates == finished[1].progress.updates >= 12
-    rows = pl.read_parquet(tmp_path / "run" / "training.parquet")
-    whole = pl.read_parquet(finished[0] / "training.parquet")
-    assert rows.drop("seconds").equals(whole.drop("seconds"), null_equal=True)
-
-
 def test_training_changes_every_weight_and_tells_what_it_did(
     finished: tuple[Path, MappoTrainer],
 ) -> None:
