@@ -17,7 +17,6 @@ from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner import updating as up
-from mjforage.graph_planner.belief_planner import view_history as vh
 from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.drift_hypotheses import drift_hypotheses_of
@@ -63,7 +62,7 @@ class Beliefs:
             rows, nodes, task.horizon, ms.assumed_chances(task, settings)
         )
         about = nodes, task.horizon, self._foragers.size, self._missed_detections
-        self._history = vh.view_history(rows, *about)
+        self._history = ms.view_history(rows, *about)
         self._boundary = boundary_of(graph, task.walls)
         self._glance = lt.glance(nodes)
         self.expected = np.zeros((rows, nodes))

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.boundary import Boundary, drifted, settled
-from mjforage.graph_planner.belief_planner.missed_detections import missed
+from mjforage.graph_planner.belief_planner.missed_detections import ViewHistory, missed, was_in_view
 from mjforage.graph_planner.belief_planner.tracks import ENDED, Ended, Lost, Tracks, drop, lose
-from mjforage.graph_planner.belief_planner.view_history import ViewHistory, was_in_view
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import NEVER

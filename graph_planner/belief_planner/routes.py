@@ -115,18 +115,6 @@ def _steps(beam: int) -> Steps:
     )
 
 
-@kernel
-def _outlook(stops: int) -> Outlook:
-    """Room for the stops as a state sees them."""
-    return Outlook(np.zeros(stops), np.zeros(stops), np.zeros(stops))
-
-
-@kernel
-def _ranking(places: int, stops: int) -> Ranking:
-    """Empty ranking."""
-    return Ranking(np.zeros(places, np.bool_), np.zeros((places, stops), np.int64))
-
-
 @inlined
 def _first_free(clock: NDArray[np.float64], s: int) -> int:
     """The forager of a state that is free first."""
@@ -354,8 +342,10 @@ def search_routes(legs: Legs, beam: int, choices: int, depth: int) -> NDArray[np
     if n == 0 or foragers == 0:
         return np.full(foragers, NOWHERE, np.int64)
     states, after, number = _states(beam, legs.room), _states(beam, legs.room), 1
-    steps, outlook, chosen = _steps(beam), _outlook(n), np.empty(choices, np.int64)
-    ranking = _ranking(foragers + legs.between.shape[0] * n, n)
+    steps, chosen = _steps(beam), np.empty(choices, np.int64)
+    outlook = Outlook(np.zeros(n), np.zeros(n), np.zeros(n))
+    places = foragers + legs.between.shape[0] * n
+    ranking = Ranking(np.zeros(places, np.bool_), np.zeros((places, n), np.int64))
     for _ in range(min(depth, n + foragers)):
         kept, goes_on = _grow(legs, states, number, outlook, ranking, chosen, steps)
         if not goes_on:

@@ -56,15 +56,6 @@ def stops(capacity: int, nodes: int) -> Stops:
 
 
 @kernel
-def float_item(items: Floating, row: float, col: float, weight: float) -> None:
-    """Add an item while there is room."""
-    n = items.number[0]
-    if n < items.row.size:
-        items.row[n], items.col[n], items.weight[n] = row, col, weight
-        items.number[0] = n + 1
-
-
-@kernel
 def soonest(ways: tuple[Ways, ...], kind: NDArray[np.int64], at: Int32Array, node: int) -> float:
     """Decisions until the first forager can be in a node; `FAR` if none can."""
     best = FAR

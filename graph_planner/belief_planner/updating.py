@@ -13,7 +13,6 @@ from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import tracks as tr
-from mjforage.graph_planner.belief_planner import view_history as vh
 from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import Boundary
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
@@ -53,7 +52,7 @@ class Store(NamedTuple):
     tracks: tr.Tracks
     wind: wd.Wind
     spots: hs.Hotspots
-    history: vh.ViewHistory  # with `missed_detections`
+    history: ms.ViewHistory  # with `missed_detections`
     boundary: Boundary
     prior: SpatialPrior
     ways: tr.Ended  # empty between decisions
@@ -107,7 +106,7 @@ def remember(
     eyes, boundary = store.eyes, store.boundary
     looking = ms.Looking(at, eyes.radius_number[who], eyes.views, boundary.rows, boundary.cols)
     ms.look_at(store.history.missed_detections, e, step, last_seen, looking)
-    vh.remember(store.history, e, step, last_seen, foragers_at)
+    ms.remember(store.history, e, step, last_seen, foragers_at)
 
 
 @kernel

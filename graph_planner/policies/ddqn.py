@@ -1,4 +1,6 @@
-"""Policies by weights, a network per team, and the Double DQN's (paper, "Experimental Study")."""
+"""Policies by weights, a network per team: any file, the Double DQN's (paper, "Experimental Study")
+and multi-agent PPO's. Playing them needs torch, not TorchRL.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +14,7 @@ from mjforage.base.extras import require
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.encodings import create_encoder, encoder_class
 from mjforage.graph_planner.networks.weights import (
+    ACTOR,
     Q_NETWORK,
     TEAMS,
     load_networks,
@@ -110,3 +113,10 @@ class DdqnLinkPolicy(ShippedPolicy):
     """Double dueling DQN, trained as `ddqn` but over a link that every episode drew anew."""
 
     weights = "ddqn-link"
+
+
+@register("mappo")
+class MappoPolicy(ShippedPolicy):
+    """Multi-agent PPO, actors shared per team, a critic that sees all in training."""
+
+    weights, kind = "mappo", ACTOR

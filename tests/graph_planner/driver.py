@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.belief_planner.missed_detections import missed_detections
 from mjforage.graph_planner.belief_planner.reconciling import Doubts
+from mjforage.graph_planner.belief_planner.stops import Floating
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.moves import MoveRules
@@ -57,6 +58,13 @@ def observation_of(
         **{f"delayed_{name}": part for name, part in no_delayed_scans(episodes)._asdict().items()},
         owner=np.full(episodes, -1, np.int32),
     )
+
+
+def float_item(items: Floating, row: float, col: float, weight: float) -> None:
+    """Add an item."""
+    n = items.number[0]
+    items.row[n], items.col[n], items.weight[n] = row, col, weight
+    items.number[0] = n + 1
 
 
 def no_doubts(nodes: int) -> Doubts:

@@ -9,9 +9,12 @@ from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
-from mjforage.graph_planner.belief_planner.missed_detections import missed_detections
+from mjforage.graph_planner.belief_planner.missed_detections import (
+    missed_detections,
+    remember,
+    view_history,
+)
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
-from mjforage.graph_planner.belief_planner.view_history import remember, view_history
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import NEVER

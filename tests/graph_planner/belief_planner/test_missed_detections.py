@@ -9,9 +9,9 @@ from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
+from mjforage.graph_planner.belief_planner.missed_detections import remember, view_history
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.spatial_prior import spatial_prior_of
-from mjforage.graph_planner.belief_planner.view_history import remember, view_history
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.sensors.detection import real_if_missed, real_if_new, real_if_seen
 

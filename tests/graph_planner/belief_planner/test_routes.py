@@ -20,7 +20,6 @@ from mjforage.graph_planner.belief_planner.stops import (
     MOST,
     add_pickup,
     decisions_between,
-    float_item,
     floating,
     gather_stops,
     stops,
@@ -28,6 +27,7 @@ from mjforage.graph_planner.belief_planner.stops import (
 from mjforage.graph_planner.belief_planner.taking import Taking, quays_beside
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
+from tests.graph_planner.driver import float_item
 
 F64 = NDArray[np.float64]
 

@@ -6,12 +6,13 @@ from numpy.typing import NDArray
 
 from mjforage.graph_planner.belief_planner.boundary import boundary_of, drifted
 from mjforage.graph_planner.belief_planner.foraging import Able
-from mjforage.graph_planner.belief_planner.stops import FAR, Floating, float_item, floating
+from mjforage.graph_planner.belief_planner.stops import FAR, Floating, floating
 from mjforage.graph_planner.belief_planner.taking import Taking
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, row_to, ways_of
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.graph_planner.policy_parts.meeting import Sea, assign, groups_of, meet
 from tests.graph_planner.charts import grid
+from tests.graph_planner.driver import float_item
 
 NO_TIME = Taking(np.zeros((1, 3, 4)), np.zeros(3), 0.0)
 

@@ -15,8 +15,7 @@ import torch
 from mjforage.base.errors import UserError, WeightsError
 from mjforage.graph_planner.networks import weights
 from mjforage.graph_planner.networks.weights import ACTOR, read_header
-from mjforage.graph_planner.policies.ddqn import QPolicy
-from mjforage.graph_planner.policies.mappo import MappoPolicy
+from mjforage.graph_planner.policies.ddqn import MappoPolicy, QPolicy
 from mjforage.learning.training.hyperparameters import changed
 from mjforage.learning.training.mappo.critic_features import critic_features
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
