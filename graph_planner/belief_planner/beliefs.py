@@ -86,7 +86,7 @@ class Beliefs:
         )
         return up.Store(
             assumed,
-            up.Eyes(self._foragers, task.radius_number, task.views, task.graph.neighbours),
+            up.Sensors(self._foragers, task.radius_number, task.views, task.graph.neighbours),
             self.tracks,
             self.wind,
             self.spots,

@@ -35,7 +35,7 @@ class Assumed(NamedTuple):
     least: float  # unseen items that may be anywhere
 
 
-class Eyes(NamedTuple):
+class Sensors(NamedTuple):
     """Views of all agents."""
 
     foragers: NDArray[np.int64]  # (forager,) indices in the fleet
@@ -48,7 +48,7 @@ class Store(NamedTuple):
     """All that is believed of a batch, and scratch."""
 
     assumed: Assumed
-    eyes: Eyes
+    sensors: Sensors
     tracks: tr.Tracks
     wind: wd.Wind
     spots: hs.Hotspots
@@ -76,7 +76,7 @@ def begin(store: Store, seen: Observation, e: int) -> Int32Array:
     """Move tracks on into the step just made; nodes (forager,) of those that took all there was,
     `NOWHERE` for others.
     """
-    now, assumed, foragers = seen.step[e] - 1, store.assumed, store.eyes.foragers
+    now, assumed, foragers = seen.step[e] - 1, store.assumed, store.sensors.foragers
     store.ways.number[0], store.lost.number[0] = 0, 0
     foragers_at = np.full(foragers.size, np.int32(NOWHERE), np.int32)
     for f in range(foragers.size):
@@ -103,8 +103,10 @@ def remember(
     foragers_at: Int32Array,
 ) -> None:
     """Keep a view of a step: of agents (look,) at their nodes (look,)."""
-    eyes, boundary = store.eyes, store.boundary
-    looking = ms.Looking(at, eyes.radius_number[who], eyes.views, boundary.rows, boundary.cols)
+    sensors, boundary = store.sensors, store.boundary
+    looking = ms.Looking(
+        at, sensors.radius_number[who], sensors.views, boundary.rows, boundary.cols
+    )
     ms.look_at(store.history.missed_detections, e, step, last_seen, looking)
     ms.remember(store.history, e, step, last_seen, foragers_at)
 
@@ -112,7 +114,7 @@ def remember(
 @kernel
 def catch_of(store: Store, seen: Observation, e: int) -> rc.Catch:
     """Items that foragers took in the step just made, and nodes where one gave up."""
-    now, foragers = seen.step[e] - 1, store.eyes.foragers
+    now, foragers = seen.step[e] - 1, store.sensors.foragers
     many = 0 if store.assumed.at_once else foragers.size
     at, caught = np.empty(many, np.int32), np.empty(many, np.int64)
     for f in range(foragers.size):
@@ -138,7 +140,7 @@ def settle(store: Store, seen: Observation, e: int, foragers_at: Int32Array) -> 
     new = rc.reconcile(
         tracks,
         boundary,
-        store.eyes.neighbours,
+        store.sensors.neighbours,
         e,
         rc.View(now, seen.belief[e], last_seen),
         wander_of(store, e),

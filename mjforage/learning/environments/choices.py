@@ -44,9 +44,9 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
 
     Raises `UserError` if one of them is of another type, or the scenario is not a valid one.
     """
-    told = list(_told(overrides))
+    given = list(_given(overrides))
     if isinstance(scenario, Setup):
-        if grid is None and not told:
+        if grid is None and not given:
             return scenario
         grid = scenario.grid.navigable if grid is None else grid
         scenario = scenario.scenario
@@ -64,16 +64,16 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
         )
     elif grid is not None:
         raise _unknown("map", grid, "a name, a file or an array (row, column) of booleans")
-    return Setup.of(with_overrides(found, told) if told else found, cells)
+    return Setup.of(with_overrides(found, given) if given else found, cells)
 
 
-def _told(overrides: object) -> Iterator[str]:
+def _given(overrides: object) -> Iterator[str]:
     """KEY=VALUE of each override."""
     remedy = 'a mapping such as {"horizon": 20}, or a list such as ["horizon=20"]'
     if isinstance(overrides, Mapping):
         for key, value in overrides.items():
             if isinstance(value, Mapping):
-                yield from _told({f"{key}.{inner}": one for inner, one in value.items()})
+                yield from _given({f"{key}.{inner}": one for inner, one in value.items()})
             else:
                 yield f"{key}={_written(f'set[{key!r}]', value)}"
     elif isinstance(overrides, Sequence) and not isinstance(overrides, str):

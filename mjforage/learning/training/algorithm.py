@@ -220,8 +220,8 @@ class Algorithm(Generic[Settings]):
         unnamed = sorted({name for entry in learned for name in entry} - set(self.learned))
         if unnamed:
             raise UserError(
-                f"algorithm {type(self).__name__}: updates tell {', '.join(unnamed)}; name them in "
-                "its `learned`, or leave them out"
+                f"algorithm {type(self).__name__}: updates report {', '.join(unnamed)}; name them "
+                "in its `learned`, or leave them out"
             )
         self.progress.rounds += 1
         self.progress.episodes += self.hyperparameters.num_envs

@@ -50,28 +50,28 @@ def is_at(node: int, row: int, col: int) -> bool:
 
 def test_news_is_brought_to_the_nearest_who_lacks_it_and_is_idle() -> None:
     late = 20 - SLACK - 1
-    told = seen_by(SCOUT, {FORAGER: late, OTHER: late})
-    assert is_at(connectivity_of().tells(told, 0, NEWS, WAYS), 0, 20)
+    seen = seen_by(SCOUT, {FORAGER: late, OTHER: late})
+    assert is_at(connectivity_of().tells(seen, 0, NEWS, WAYS), 0, 20)
     both = seen_by(SCOUT, {FORAGER: 20, OTHER: late})
     assert is_at(connectivity_of().tells(both, 0, NEWS, WAYS), 20, 0), "the first is in touch"
-    assert connectivity_of().tells(told, 0, NEWS[:1], WAYS) == NOBODY, "old news"
-    assert connectivity_of(report=False).tells(told, 0, NEWS, WAYS) == NOBODY
+    assert connectivity_of().tells(seen, 0, NEWS[:1], WAYS) == NOBODY, "old news"
+    assert connectivity_of(report=False).tells(seen, 0, NEWS, WAYS) == NOBODY
     apart = Connectivity(replace(TASK, reach_node=0.0), BeliefSettings(), 1)
-    assert apart.tells(told, 0, NEWS, WAYS) == NOBODY, "nobody would receive it"
+    assert apart.tells(seen, 0, NEWS, WAYS) == NOBODY, "nobody would receive it"
     assert Connectivity(replace(TASK, reach_node=np.inf), BeliefSettings(), 1).always
     many = np.concatenate((np.zeros(40, np.int32), [18])).astype(np.int32)
-    assert connectivity_of().tells(told, 0, many, WAYS) == NOBODY, "they have enough to do"
+    assert connectivity_of().tells(seen, 0, many, WAYS) == NOBODY, "they have enough to do"
 
 
 def test_who_is_not_found_is_not_looked_for_before_there_is_newer_news() -> None:
     touch, late = connectivity_of(), 20 - SLACK - 2
-    told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
-    told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
-    assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
-    told.agent_node[0, SCOUT] = SEA.node_of_cell[9, 9]
-    assert touch.tells(told, 0, NEWS, WAYS) == NOBODY, "as long as nothing newer is heard"
-    told.agent_seen[0, FORAGER] = late + 1
-    assert is_at(touch.tells(told, 0, NEWS, WAYS), 0, 20)
+    seen = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
+    seen.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
+    assert touch.tells(seen, 0, NEWS, WAYS) == NOBODY
+    seen.agent_node[0, SCOUT] = SEA.node_of_cell[9, 9]
+    assert touch.tells(seen, 0, NEWS, WAYS) == NOBODY, "as long as nothing newer is heard"
+    seen.agent_seen[0, FORAGER] = late + 1
+    assert is_at(touch.tells(seen, 0, NEWS, WAYS), 0, 20)
 
 
 def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> None:
@@ -106,8 +106,8 @@ def test_who_was_told_much_long_ago_has_done_with_it() -> None:
     """40 items keep a forager busy for 57 decisions; the scout is 10 to 14 away."""
     born = np.concatenate((np.zeros(40, np.int32), [40])).astype(np.int32)
     for step, goes in ((50, False), (75, True)):
-        told = seen_by(SCOUT, {FORAGER: 10, OTHER: step - 1}, step)
-        assert (connectivity_of().tells(told, 0, born, WAYS) != NOBODY) == goes
+        seen = seen_by(SCOUT, {FORAGER: 10, OTHER: step - 1}, step)
+        assert (connectivity_of().tells(seen, 0, born, WAYS) != NOBODY) == goes
 
 
 def test_beside_is_not_near_with_a_quay_between() -> None:
@@ -115,11 +115,11 @@ def test_beside_is_not_near_with_a_quay_between() -> None:
     cells[:25, 10] = False
     graph = navigation_graph(cells, 1.0, False)
     team = task_of(graph, scouts=Role(1, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
-    told = observation_of(replace(team, reach_node=5.0), [(0, 9), (0, 11)], step=21)
-    told.owner[:], told.agent_seen[0, 1] = 0, 10
+    seen = observation_of(replace(team, reach_node=5.0), [(0, 9), (0, 11)], step=21)
+    seen.owner[:], seen.agent_seen[0, 1] = 0, 10
     ways = ways_of(graph, 2, team.rules.stay, team.rules.shorten)
     touch = Connectivity(replace(team, reach_node=5.0), BeliefSettings(), 1)
-    assert touch.tells(told, 0, NEWS, ways) != NOBODY, "it has to go round"
+    assert touch.tells(seen, 0, NEWS, ways) != NOBODY, "it has to go round"
 
 
 def test_who_looks_alone_does_not_look_again_where_it_would_have_noticed() -> None:
@@ -151,9 +151,9 @@ def test_a_relay_beside_a_forager_brings_no_news() -> None:
 
 def test_with_a_latency_news_is_older() -> None:
     late = Connectivity(replace(TASK, latency=5), BeliefSettings(), 1)
-    told = seen_by(SCOUT, {FORAGER: 20 - SLACK - 4, OTHER: 20 - SLACK - 5})
-    assert late.tells(told, 0, NEWS, WAYS) == NOBODY
-    assert connectivity_of().tells(told, 0, NEWS, WAYS) != NOBODY
+    seen = seen_by(SCOUT, {FORAGER: 20 - SLACK - 4, OTHER: 20 - SLACK - 5})
+    assert late.tells(seen, 0, NEWS, WAYS) == NOBODY
+    assert connectivity_of().tells(seen, 0, NEWS, WAYS) != NOBODY
 
 
 def test_a_relay_stands_where_the_others_are_in_its_reach() -> None:

@@ -48,7 +48,7 @@ class Past:
         tr.begin(self.tracks, BOUNDARY, 0, node, seen, self.ways)
         self.tracks.row[0, i], self.tracks.col[0, i] = row, col
 
-    def hear(
+    def receive(
         self,
         step: int,
         counts: dict[tuple[int, int], int],
@@ -85,14 +85,14 @@ def test_tracks_that_a_look_says_nothing_of_stay_to_the_bit() -> None:
     for row, col, seen in ((3.21, 14.37, 2), (7.0, 0.3, 4), (5.4, 28.9, 8)):
         past.track(row, col, seen)
     before = past.places
-    assert past.hear(5, {}, [(10, 3)]) == 0
+    assert past.receive(5, {}, [(10, 3)]) == 0
     assert past.places == before
 
 
 def test_a_track_is_confirmed_where_it_was_then() -> None:
     past = Past()
     past.track(3.0, 15.0, 1)  # at column 12.5 in step 5
-    assert past.hear(5, {(3, 12): 1}, [(3, c) for c in range(10, 15)]) == 0
+    assert past.receive(5, {(3, 12): 1}, [(3, c) for c in range(10, 15)]) == 0
     assert past.tracks.seen[0, 0] == 5
     (row, col), *_ = past.places
     assert (row, col) == pytest.approx((3.0, 15.0), abs=0.1)
@@ -100,7 +100,7 @@ def test_a_track_is_confirmed_where_it_was_then() -> None:
 
 def test_a_first_sighting_is_carried_on_to_where_it_must_be_now() -> None:
     past = Past()
-    assert past.hear(6, {(3, 12): 1}, [(3, 12)]) == 1
+    assert past.receive(6, {(3, 12): 1}, [(3, 12)]) == 1
     ((row, col),) = past.places
     assert (row, col) == pytest.approx((3.0, 14.0))
     assert past.tracks.born[0, 0] == past.tracks.seen[0, 0] == 6
@@ -110,18 +110,18 @@ def test_what_was_seen_since_accounts_for_a_count_and_stays() -> None:
     past = Past()
     past.track(3.0, 15.0, 8)
     before = past.places
-    assert past.hear(5, {(3, 12): 1}, [(3, c) for c in range(10, 15)]) == 0
+    assert past.receive(5, {(3, 12): 1}, [(3, c) for c in range(10, 15)]) == 0
     assert past.places == before and past.tracks.seen[0, 0] == 8
-    assert past.hear(5, {}, [(3, c) for c in range(10, 15)]) == 0, "and it is not given up"
+    assert past.receive(5, {}, [(3, c) for c in range(10, 15)]) == 0, "and it is not given up"
     assert past.places == before
-    assert past.hear(8, {}, [(3, c) for c in range(10, 18)]) == 0, "nor by another of that step"
+    assert past.receive(8, {}, [(3, c) for c in range(10, 18)]) == 0, "nor by another of that step"
     assert past.places == before
 
 
 def test_what_the_look_pushes_out_of_sight_drifts_on_from_there() -> None:
     past = Past()
     past.track(3.0, 15.0, 1)
-    past.hear(5, {}, [(3, 12)])
+    past.receive(5, {}, [(3, 12)])
     ((row, col),) = past.places
     assert (row, col) != (3.0, 15.0) and abs(row - 3.0) + abs(col - 15.0) < 1.1
 
@@ -129,7 +129,7 @@ def test_what_the_look_pushes_out_of_sight_drifts_on_from_there() -> None:
 def test_what_was_not_there_is_given_up_or_out_of_sight() -> None:
     past = Past()
     past.track(3.0, 15.0, 1)
-    assert past.hear(5, {}, [(r, c) for r in range(8) for c in range(8, 18)]) == 0
+    assert past.receive(5, {}, [(r, c) for r in range(8) for c in range(8, 18)]) == 0
     assert past.places == [] and past.lost.number[0] == 1
 
 
@@ -144,7 +144,7 @@ def test_what_would_have_been_seen_or_taken_since_is_no_new_item(taken: bool) ->
     else:
         seen[SEA.node_of_cell[3, 13]] = 7
     remember(past.history, 0, 7, seen, at)
-    assert past.hear(5, {(3, 12): 1}, [(3, 12)]) == 0
+    assert past.receive(5, {(3, 12): 1}, [(3, 12)]) == 0
     assert past.places == [] and past.lost.number[0] == 1
 
 
@@ -153,7 +153,7 @@ def test_what_a_forager_came_to_was_taken_unless_it_was_seen_since() -> None:
     for seen, left, lost in ((1, 0, 1), (4, 0, 0), (7, 1, 0)):
         past = Past()
         past.track(3.0, 15.0, seen)  # at column 12 when the forager came, in step 5
-        past.hear(5, {}, [(10, 3)], at)
+        past.receive(5, {}, [(10, 3)], at)
         assert len(past.places) == left
         assert past.lost.number[0] == lost, "lost if it had not been seen just before"
 

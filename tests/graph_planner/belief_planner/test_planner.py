@@ -182,7 +182,7 @@ def run_warnings(seen: list[tuple[tuple[int, int], ...]], detection: float = 1.0
 
 
 def test_a_known_item_is_foretold_by_its_chance() -> None:
-    """In view it is there with .95; missed once by eyes that see half of all, with .8182."""
+    """In view it is there with .95; missed once by sensors that see half of all, with .8182."""
     here = (15, 15)
     assert run_warnings([(here,)]) == pytest.approx(0.95)
     assert run_warnings([(here, here)]) == pytest.approx(1.0 - 0.05**2)

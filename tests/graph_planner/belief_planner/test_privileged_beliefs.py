@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.graph_planner.belief_planner.privileged_beliefs import UNHEARD, PrivilegedBeliefs
+from mjforage.graph_planner.belief_planner.privileged_beliefs import UNREPORTED, PrivilegedBeliefs
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import GroundTruth, Observation
@@ -38,7 +38,7 @@ def beliefs() -> PrivilegedBeliefs:
     return PrivilegedBeliefs(TASK, BeliefSettings.of(TASK.prior), np.array([7], np.uint64))
 
 
-def told(believed: PrivilegedBeliefs) -> NDArray[np.float64]:
+def believed_items(believed: PrivilegedBeliefs) -> NDArray[np.float64]:
     """(item, 2) places at which items are believed."""
     n, tracks = int(believed.tracks.number[0]), believed.tracks
     return np.stack((tracks.row[0, :n], tracks.col[0, :n]), axis=1)
@@ -48,16 +48,18 @@ def test_an_item_once_shown_is_known_until_it_is_taken_and_others_are_not() -> N
     believed, places = beliefs(), (HIDDEN, SHOWN, TAKEN)
     believed.set_ground_truth(truth_of(*places))
     believed.learn(seen_at(0, {(10, 12): 0, (2, 2): 0}), 0)
-    assert told(believed).size == 0 and (believed.wind.mean == 0.0).all(), "nothing is known yet"
+    assert believed_items(believed).size == 0 and (believed.wind.mean == 0.0).all(), (
+        "nothing is known yet"
+    )
     believed.set_ground_truth(truth_of(*places))
     believed.learn(seen_at(1, {(10, 13): 1, (11, 9): 1}), 0)
-    np.testing.assert_array_equal(told(believed), [SHOWN, TAKEN])
+    np.testing.assert_array_equal(believed_items(believed), [SHOWN, TAKEN])
     np.testing.assert_array_equal(believed.wind.mean, DRIFT)
-    assert believed.since[0].tolist() == [UNHEARD, 1, 1]
+    assert believed.since[0].tolist() == [UNREPORTED, 1, 1]
     far = (15.0, 3.0)  # where it has drifted, out of sight
     believed.set_ground_truth(truth_of(HIDDEN, far, TAKEN, gone=(2,)))
     believed.learn(seen_at(2, {(0, 0): 0}), 0)
-    np.testing.assert_array_equal(told(believed), [far])
+    np.testing.assert_array_equal(believed_items(believed), [far])
     assert believed.tracks.born[0, 0] == 1 and believed.tracks.seen[0, 0] == 2
 
 
@@ -72,7 +74,7 @@ def test_late_looks_tell_of_what_they_show_at_their_own_step() -> None:
     assert shown.sum() == 1
     looks = np.array([[[0, 0, SEA.node_of_cell[10, 20]]]], np.int32)
     believed.set_ground_truth(now)
-    heard = seen_at(1, {(0, 0): 0})._replace(delayed_scans=looks, delayed_shown=shown)
-    believed.learn(heard, 0)
-    np.testing.assert_array_equal(told(believed), [(14.0, 26.0)])
-    assert believed.since[0].tolist() == [0, UNHEARD]
+    seen = seen_at(1, {(0, 0): 0})._replace(delayed_scans=looks, delayed_shown=shown)
+    believed.learn(seen, 0)
+    np.testing.assert_array_equal(believed_items(believed), [(14.0, 26.0)])
+    assert believed.since[0].tolist() == [0, UNREPORTED]

@@ -233,7 +233,7 @@ def test_ours_pass(ours: str) -> None:
         (Critical, "networks", r"of scout that gives \(4,\) for 4 rows; `networks` has those that"),
         (Live, "copies", "gave weights scout.* by the arrays of self.round.see and once by copies"),
         (Apart, "beginning", "theirs and its; `networks` gives the modules that train"),
-        (Talkative, "rounds", "updates tell entropy; name them in its `learned`, or leave"),
+        (Talkative, "rounds", "updates report entropy; name them in its `learned`, or leave"),
         (Misshapen, "rounds", r"play was given float64 \(2, 4, 8\), expected numbers of shape"),
         (Chancy, "repeats", "of one seed gave weights scout.* and .*; draw from self.random alone"),
         (Stubborn, "resuming", "has weights scout.* before and after `restore`; bring back there"),
