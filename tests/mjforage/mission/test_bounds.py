@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
-from mjforage.graph_planner.belief_planner.privileged_beliefs import UNHEARD
+from mjforage.graph_planner.belief_planner.privileged_beliefs import UNREPORTED
 from mjforage.graph_planner.policies import create_policy, is_upper_bound, policy_names
 from mjforage.mission.mission import Mission
 from mjforage.mission.policy import Policy
@@ -122,7 +122,7 @@ def test_the_oracle_of_what_was_heard_knows_nothing_else() -> None:
     mission.reset(2, np.arange(2))
     mission.run(first)
     since = first.oracle._planner.beliefs.since  # type: ignore[attr-defined]
-    unheard = since == UNHEARD
+    unheard = since == UNREPORTED
     assert unheard.any() and not unheard.all()
     apart = unheard.reshape(2, 4, -1)
     assert (apart != apart[:, :1]).any(), "owners have received different items"
