@@ -3,11 +3,11 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.physics.manoeuvre.overshoots import zigzag_figures
 from mjforage.physics.manoeuvre.standard import AHEAD_S, APPROACH_S
 from mjforage.physics.manoeuvre.trajectory import Trajectory
 
@@ -61,6 +61,45 @@ def last_turn_s(times: Float64Array, yaw: Float64Array) -> float:
     """Duration of the run's last full turn [s]; nan if there is none."""
     back = crossing_s(times[::-1], np.abs(yaw[-1] - yaw[::-1]), 2.0 * math.pi)
     return float(times[-1]) - back
+
+
+def zigzag_figures(
+    times: Float64Array, heading: Float64Array, angle: float
+) -> tuple[list[float], float]:
+    """Overshoots and mean period of a zigzag (IMO MSC.137(76), section 5.3.3).
+
+    Parameters
+    ----------
+    times : (rows,) [s]
+    heading : (rows,) from the heading at the first execute on [rad]
+    angle : heading at which the thrust is reversed, either side [rad]
+
+    Returns
+    -------
+    overshoots : angle of each swing beyond the ordered one [rad]; a swing that had not come back to
+        a heading of 0 by the end does not count
+    period : mean time between passing a heading of 0 in the same direction [s]; nan if it did not
+        happen twice
+    """
+    passed = np.flatnonzero(heading[1:] * heading[:-1] < 0.0)
+    before, after = heading[passed], heading[passed + 1]
+    zeros = times[passed] - before * (times[passed + 1] - times[passed]) / (after - before)
+    edges = np.concatenate(([0], passed + 1))
+    swings = [heading[a:b] for a, b in pairwise(edges)]
+    overshoots = [_peak(np.abs(swing)) - angle for swing in swings]
+    periods = zeros[2:] - zeros[:-2]
+    period = float(periods.mean()) if periods.size else math.nan
+    return [size for size in overshoots if size >= 0.0], period
+
+
+def _peak(values: Float64Array) -> float:
+    """Largest value, through the parabola of the three rows around it."""
+    i = int(values.argmax())
+    if not 0 < i < values.size - 1:
+        return float(values[i])
+    left, top, right = (float(value) for value in values[i - 1 : i + 2])
+    bend = left - 2.0 * top + right
+    return top - (right - left) ** 2 / (8.0 * bend) if bend else top
 
 
 def _general(t: Trajectory) -> dict[str, KeyFigure]:

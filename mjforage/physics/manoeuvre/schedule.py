@@ -54,37 +54,19 @@ def read_schedule(path: str | Path, vessel: Vessel) -> Schedule:
                 f"{place}: {','.join(fields)}; expected a number for each of {','.join(header)}"
             ) from None
         time, left, right = (row[name] for name in COLUMNS)
-        _check_row(
-            time, rows[-1][0] if rows else None, (left, right), vessel, f"{where}: line {number}"
-        )
+        _check_row(time, rows[-1][0] if rows else -math.inf, (left, right), vessel, place)
         rows.append((time, left, right))
     if not rows:
         raise UserError(f"{where}: has no row under its header; give at least one command")
     return Schedule(tuple(t for t, _, _ in rows), tuple((left, right) for _, left, right in rows))
 
 
-def check_schedule(schedule: Schedule, vessel: Vessel) -> None:
-    """Check that times increase from 0 on and commands are finite and in the thrusters' range.
-
-    Raises
-    ------
-    UserError
-        Naming the first row that is wrong, counted from 1.
-    """
-    if not schedule.times_s:
-        raise UserError("schedule: is empty; give at least one command")
-    before = None
-    for i, (time, command) in enumerate(zip(schedule.times_s, schedule.commands, strict=True), 1):
-        _check_row(time, before, command, vessel, f"schedule: row {i}")
-        before = time
-
-
 def _check_row(
-    time_s: float, before_s: float | None, command: tuple[float, float], vessel: Vessel, row: str
+    time_s: float, before_s: float, command: tuple[float, float], vessel: Vessel, row: str
 ) -> None:
     if not 0.0 <= time_s < math.inf:
         raise UserError(f"{row}: t_s = {time_s:g}; give finite seconds, 0 or later")
-    if before_s is not None and time_s <= before_s:
+    if time_s <= before_s:
         raise UserError(
             f"{row}: t_s = {time_s:g} is not after {before_s:g}; put the rows in order of time"
         )

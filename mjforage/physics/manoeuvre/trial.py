@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.physics.hydrodynamics.conditions import Conditions, SimulatedVessel
-from mjforage.physics.manoeuvre.schedule import Schedule, check_schedule
+from mjforage.physics.manoeuvre.schedule import Schedule
 from mjforage.physics.manoeuvre.standard import STANDARD_TESTS, Steering
 from mjforage.physics.manoeuvre.trajectory import Trajectory
 from mjforage.physics.simulation.mujoco_vessel import LONGEST_S, MujocoVessel
@@ -45,19 +45,12 @@ def run_manoeuvre(
     Raises
     ------
     UserError
-        If the schedule does not suit the vessel, or duration or step is out of range.
+        If duration or step is out of range.
     """
-    check_schedule(schedule, vessel)
     length = schedule.times_s[-1] + AFTERWARDS_S if duration_s is None else duration_s
     times = time_grid(length, dt_s, schedule.times_s)
-    return _record(
-        vessel,
-        conditions or Conditions(),
-        "schedule",
-        times,
-        lambda t, _: schedule.at(t + 1e-9),
-        simulate,
-    )
+    here = conditions or Conditions()
+    return _record(vessel, here, "schedule", times, lambda t, _: schedule.at(t + 1e-9), simulate)
 
 
 def run_test(
@@ -119,12 +112,12 @@ def _record(
     steering: Steering,
     simulate: Simulate,
 ) -> Trajectory:
-    hull = simulate(vessel, conditions)
-    state = hull.state()
+    moved = simulate(vessel, conditions)
+    state = moved.state()
     states, commands = [state], [steering(float(times[0]), state)]
     for before, after in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
-        hull.step(*commands[-1], after - before)
-        state = hull.state()
+        moved.step(*commands[-1], after - before)
+        state = moved.state()
         if not all(math.isfinite(value) for value in state):
             raise UserError(
                 f"physics: motion of {vessel.name} is not finite at t = {after:g} s; give a "

@@ -2,14 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.errors import UserError
 from mjforage.base.toml_files import read_toml
 from mjforage.physics.hydrodynamics.parameters import AIR_DENSITY_KGPM3
 from mjforage.physics.quantities import Quantity, positive
@@ -61,47 +59,11 @@ class DebrisClass:
         k = math.sqrt(self.air / self.water)
         return k / (1.0 + k)
 
-    def response_s(self, wind_mps: float) -> float:
-        """Time constant of small departures from steady drift in still water [s]."""
-        drift = self.leeway * wind_mps
-        slope = 2.0 * (self.air * (wind_mps - drift) + self.water * drift)
-        return (self.mass_kg + self.added_mass_kg) / slope
 
-
-def load_debris(path: str | Path | None = None) -> tuple[DebrisClass, ...]:
-    """Read debris classes, those that ship by default.
-
-    Raises
-    ------
-    UserError
-        If the file is not readable, has no class, or a class is not as `DebrisClass` says or
-        drifts outside its own published range.
-    """
-    file = models_folder() / "debris.toml" if path is None else Path(path)
-    where = f"debris {file.name}"
-    tree = read_toml(file, where)
-    if not tree:
-        raise UserError(f"{where}: no class; add a table such as [bottle]")
-    return tuple(_read(name, entry, f"{where}: {name}") for name, entry in tree.items())
-
-
-def _read(name: str, entry: object, where: str) -> DebrisClass:
-    kind = check(DebrisClass, entry, where, name=name)
-    _check_leeway(kind, where)
-    return kind
-
-
-def _check_leeway(kind: DebrisClass, where: str) -> None:
-    low, high = kind.leeway_low, kind.leeway_high
-    if low > high:
-        raise UserError(
-            f"{where}.leeway_low = {low:g} is above leeway_high = {high:g}; exchange them"
-        )
-    if not low <= kind.leeway <= high:
-        raise UserError(
-            f"{where}: leeway {kind.leeway:.5f} of the wind lies outside {low:g} to {high:g}; "
-            "change areas or drags, or the published range"
-        )
+def load_debris() -> tuple[DebrisClass, ...]:
+    """Read the debris classes that ship."""
+    tree = read_toml(models_folder() / "debris.toml", "debris")
+    return tuple(check(DebrisClass, tree[name], f"debris {name}", name=name) for name in tree)
 
 
 def parking_xy(items: int) -> NDArray[np.float64]:
@@ -117,17 +79,17 @@ def add_items(spec: mujoco.MjSpec, part: mujoco.MjSpec, looks: list[str | None])
     ----------
     part : of `models/debris.xml`
     """
-    parts = {look: _looking(part, look) for look in set(looks)}
+    parts = {look: _with_look(part, look) for look in set(looks)}
     for k, look in enumerate(looks):
         frame = spec.worldbody.add_frame()
         frame.attach_body(parts[look].copy().body("item"), f"item-{k}/", "")
 
 
-def _looking(part: mujoco.MjSpec, look: str | None) -> mujoco.MjSpec:
+def _with_look(part: mujoco.MjSpec, look: str | None) -> mujoco.MjSpec:
     """The part with what one class looks like alone: what is deleted later costs a whole scene."""
     bare = part.copy()
     for geom in list(bare.body("item").geoms):
-        kept = look is not None and geom.name.startswith(look)
-        if geom.classname.name == "item-look" and not kept:
+        seen = look is not None and geom.name.startswith(look)
+        if geom.classname.name == "item-look" and not seen:
             bare.delete(geom)
     return bare

@@ -1,9 +1,16 @@
-"""MuJoCo puts an unstable state back to the start without a word: here it becomes an error."""
+"""MuJoCo's warnings: not printed, but counted and made errors.
 
-from collections.abc import Sequence
+MuJoCo puts an unstable state back to the start and goes on.
+"""
+
+import contextlib
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Any
 
 import mujoco
 import numpy as np
+from numba import cfunc, types
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
@@ -60,3 +67,24 @@ def check_warnings(
     raise InstabilityError(
         f"physics: MuJoCo warning {label} at {where}; use fewer items or vessels"
     )
+
+
+@lru_cache(maxsize=1)
+def _silent_handler() -> Any:
+    """A warning handler that does nothing, without the GIL."""
+
+    def ignore(_: int) -> None:
+        return
+
+    return cfunc(types.void(types.uintp))(ignore)
+
+
+@contextlib.contextmanager
+def warnings_suppressed() -> Iterator[None]:
+    """Context in which MuJoCo counts warnings, and writes neither them nor MUJOCO_LOG.TXT."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(_silent_handler().ctypes)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)

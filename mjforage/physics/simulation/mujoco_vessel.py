@@ -10,9 +10,8 @@ from mjforage.physics.callback import install
 from mjforage.physics.callback.model_layout import LOAD, WATER, WIND
 from mjforage.physics.hydrodynamics.conditions import Conditions, State, to_body
 from mjforage.physics.scene import build_scene
-from mjforage.physics.simulation.instability import check_warnings
+from mjforage.physics.simulation.instability import check_warnings, warnings_suppressed
 from mjforage.physics.simulation.integrators import Integrator, prepared
-from mjforage.physics.simulation.suppressed_warnings import warnings_suppressed
 from mjforage.physics.vessels import Vessel
 
 LONGEST_S = 0.05  # of one Runge-Kutta step
@@ -50,16 +49,11 @@ class MujocoVessel:
         data.qpos[:] = x, y, yaw
         data.qvel[:] = *to_body((u, v), -yaw), r
 
-    def substeps(self, step_s: float) -> int:
-        """Number of equal Runge-Kutta steps that make one of `step_s`.
+    def step(self, port: float, starboard: float, step_s: float) -> None:
+        """Advance under constant commands [rad/s or N], by equal Runge-Kutta steps.
 
         None is longer than 0.05 s or than the thrusters' lag: from 2.785 lags on, Runge-Kutta of
         order 4 lets the lag oscillate between the thrusters' limits, and no warning would tell.
-        """
-        return max(1, math.ceil(step_s / self._longest_s - ROUNDING))
-
-    def step(self, port: float, starboard: float, step_s: float) -> None:
-        """Advance under constant commands [rad/s or N].
 
         Raises
         ------
@@ -67,7 +61,7 @@ class MujocoVessel:
             If the vessel's motion became unstable.
         """
         data, before = self._data, np.array([self._data.time])
-        parts = self.substeps(step_s)
+        parts = max(1, math.ceil(step_s / self._longest_s - ROUNDING))
         self._model.opt.timestep = step_s / parts
         data.ctrl[:] = port, starboard
         install()

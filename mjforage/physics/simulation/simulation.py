@@ -20,11 +20,14 @@ from mjforage.physics.callback.model_layout import (
     WATER,
     WIND,
 )
-from mjforage.physics.floating import Afloat, Bodies, Quays, activate, drift, quays_of, sync_items
+from mjforage.physics.floating import Afloat, Bodies, activate, drift, quays_of, sync_items
 from mjforage.physics.scene import Scene, parking_xy, with_bodies
-from mjforage.physics.simulation.instability import InstabilityError, check_warnings
+from mjforage.physics.simulation.instability import (
+    InstabilityError,
+    check_warnings,
+    warnings_suppressed,
+)
 from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
-from mjforage.physics.simulation.suppressed_warnings import warnings_suppressed
 
 Float64Array = NDArray[np.float64]
 
@@ -89,14 +92,9 @@ class Simulation:
         Raises
         ------
         UserError
-            If a number is out of range, or no callback works here.
+            If the step is too long, or no callback works here.
         """
         step_s = integrator.step_s if step_s is None else step_s
-        if simulations < 1 or threads < 1 or not 0.0 < step_s < np.inf:
-            raise UserError(
-                f"simulation: {simulations} simulations, {threads} threads, step {step_s} s; "
-                "give numbers above 0"
-            )
         self.simulations, self.step_s, self._integrator = simulations, step_s, integrator
         if integrator is Integrator.REFERENCE:
             _check_lags(scene, step_s)
@@ -107,8 +105,6 @@ class Simulation:
         self._shift_s = half_step_s(integrator, step_s)
         self._every = np.arange(simulations)
         self.seeds = tuple(range(simulations) if seeds is None else seeds)
-        if len(self.seeds) != simulations:
-            raise UserError(f"simulation: {len(self.seeds)} seeds, expected {simulations}")
         self._afloat = _afloat(scene, simulations, self.items)
         self.item_wind, self.item_water = self._afloat.wind, self._afloat.water
         self.item_class = self._afloat.kind
@@ -120,8 +116,8 @@ class Simulation:
 
     def __getstate__(self) -> dict[str, Any]:
         """State for a copy, without the engine, whose memory is MuJoCo's, and its views."""
-        kept = {name: part for name, part in vars(self).items() if name not in _ENGAGED}
-        return kept | {"saved": [part.copy() for part in self._engine_parts()]}
+        state = {name: part for name, part in vars(self).items() if name not in _ENGAGED}
+        return state | {"saved": [part.copy() for part in self._engine_parts()]}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take the same scene, with an engine of its own."""
@@ -148,17 +144,16 @@ class Simulation:
             first = int(self.model.dof_bodyid[VESSEL_DOFS * len(scene.vessels)])
             quays = quays_of(self.model, first, scene.land, scene.pitch_m)
             self._reach = quays.radius_m + CLOSING_MPS * self._active_steps * self.step_s
-            self._prepare(quays)
-
-    def _prepare(self, quays: Quays) -> None:
-        """The kernels of items, with their arrays."""
-        items, bodies = self._afloat, self._bodies
-        averaged = self._integrator is Integrator.FAST
-        self._activate = BoundKernel(activate, items, bodies, self._pose, self._sizes, self._reach)
-        self._sync_items = BoundKernel(sync_items, items, bodies)
-        self._drift = BoundKernel(drift, items, quays, self.step_s, averaged)
+            afloat, bodies = self._afloat, self._bodies
+            averaged = self._integrator is Integrator.FAST
+            self._activate = BoundKernel(
+                activate, afloat, bodies, self._pose, self._sizes, self._reach
+            )
+            self._sync_items = BoundKernel(sync_items, afloat, bodies)
+            self._drift = BoundKernel(drift, afloat, quays, self.step_s, averaged)
 
     def _bind(self, vessels: int) -> None:
+        """Bind the engine's arrays: inputs, and what it steps."""
         engine, n, bodies = self.engine, self.simulations, self.scene.items
         dofs, inputs = VESSEL_DOFS * vessels, INPUT_WIDTH * vessels
         q, v = engine.bind("qpos"), engine.bind("qvel")
@@ -208,11 +203,11 @@ class Simulation:
 
     def reset(self, ids: NDArray[Any] | None = None) -> None:
         """Put simulations (indices or mask, all by default) back to the start, items parked."""
-        chosen = self._every if ids is None else self._every[ids]
+        which = self._every if ids is None else self._every[ids]
         install()
-        self.engine.reset(chosen)
-        self.item_wind[chosen] = self.item_water[chosen] = 0.0
-        self.place_items(self._parking, -1, chosen)
+        self.engine.reset(which)
+        self.item_wind[which] = self.item_water[which] = 0.0
+        self.place_items(self._parking, -1, which)
 
     def place_vessels(
         self,
@@ -227,9 +222,9 @@ class Simulation:
         pose : (simulation, vessel, 3) x, y [m], yaw [rad] of midships, or what broadcasts to it
         velocity : the same, over ground in world axes [m/s], [rad/s]
         """
-        chosen = self._every if ids is None else self._every[ids]
-        self._velocity[chosen] = 0.0 if velocity is None else velocity
-        self._pose[chosen] = pose + self._shift_s * self._velocity[chosen]
+        which = self._every if ids is None else self._every[ids]
+        self._velocity[which] = 0.0 if velocity is None else velocity
+        self._pose[which] = pose + self._shift_s * self._velocity[which]
 
     def place_items(
         self, xy: Float64Array, classes: NDArray[Any] | int, ids: NDArray[Any] | None = None
@@ -240,22 +235,12 @@ class Simulation:
         ----------
         xy : (simulation, item, 2) [m], or what broadcasts to it
         classes : (simulation, item) class of each; a negative one parks the item
-
-        Raises
-        ------
-        UserError
-            If there is no such class.
         """
-        chosen = self._every if ids is None else self._every[ids]
-        if np.max(classes, initial=-1) >= len(self.scene.classes):
-            raise UserError(
-                f"debris class {np.max(classes)}: the scene has {len(self.scene.classes)}, "
-                "counted from 0"
-            )
-        self.item_class[chosen] = classes
-        self._afloat.v[chosen] = 0.0
-        parked = self.item_class[chosen] < 0
-        self._afloat.q[chosen] = np.where(parked[..., None], self._parking, xy)
+        which = self._every if ids is None else self._every[ids]
+        self.item_class[which] = classes
+        self._afloat.v[which] = 0.0
+        parked = self.item_class[which] < 0
+        self._afloat.q[which] = np.where(parked[..., None], self._parking, xy)
 
     def remove_items(self, which: NDArray[np.bool_]) -> None:
         """Take items (simulation, item) off the water."""
@@ -292,23 +277,13 @@ class Simulation:
     def restore(self, saved: Float64Array, ids: NDArray[Any] | None = None) -> None:
         """Put simulations (indices or mask, all by default) back to a snapshot of as many.
 
-        Raises
-        ------
-        UserError
-            If it is of another scene, or of another size of its pool.
+        It must be of the same scene, from before its pool of bodies grew.
         """
-        chosen = self._every if ids is None else self._every[ids]
+        which = self._every if ids is None else self._every[ids]
         parts = (self.engine.state, *self._afloat[:5])
-        widths = [part[0].size for part in parts]
-        if saved.shape != (len(chosen), sum(widths)):
-            raise UserError(
-                f"simulation: a snapshot of shape {saved.shape}, expected "
-                f"{(len(chosen), sum(widths))}; give one of the same scene, taken before its pool "
-                "of bodies grew"
-            )
-        pieces = np.split(saved, np.cumsum(widths)[:-1], axis=1)
-        for part, piece in zip(parts, pieces, strict=True):
-            part[chosen] = piece.reshape(len(chosen), *part.shape[1:])
+        edges = np.cumsum([part[0].size for part in parts])[:-1]
+        for part, piece in zip(parts, np.split(saved, edges, axis=1), strict=True):
+            part[which] = piece.reshape(len(which), *part.shape[1:])
 
     def step(self, steps: int = 1, ids: NDArray[Any] | None = None) -> None:
         """Advance simulations (indices or mask, all by default) by `steps` time steps.
@@ -320,16 +295,16 @@ class Simulation:
         UserError
             If more items are near vessels than there can be bodies.
         """
-        chosen = self._every if ids is None else self._every[ids]
+        which = self._every if ids is None else self._every[ids]
         before = self.time_s.copy()
         install()
         with warnings_suppressed():
             if self.items:
                 for done in range(0, steps, self._active_steps):
-                    self._step_items(chosen, min(self._active_steps, steps - done))
+                    self._step_items(which, min(self._active_steps, steps - done))
             else:
-                self.engine.step(None if ids is None else chosen, nstep=steps)
-        check_warnings(self.model, self.engine.warning, chosen, self.seeds, before)
+                self.engine.step(None if ids is None else which, nstep=steps)
+        check_warnings(self.model, self.engine.warning, which, self.seeds, before)
 
     def _step_items(self, ids: NDArray[np.intp], steps: int) -> None:
         """Advance vessels and items by at most `_active_steps` steps.

@@ -13,8 +13,8 @@ from mjforage.physics.manoeuvre.key_figures import (
     crossing_s,
     last_turn_s,
     rise_time_s,
+    zigzag_figures,
 )
-from mjforage.physics.manoeuvre.overshoots import zigzag_figures
 from mjforage.physics.manoeuvre.standard import shares
 from mjforage.physics.vessels import load_vessel
 

@@ -22,14 +22,16 @@ AHEAD = Schedule((0.0,), ((60.0, 60.0),))
 
 
 class Recorder:
-    """A hull that does not move and writes down what it is told."""
+    """A vessel that does not move and records its commands."""
+
+    commands: list[tuple[float, float, float]]
 
     def __init__(self, vessel: Vessel, conditions: Conditions) -> None:
-        self.vessel, self.conditions = vessel, conditions
-        self.time, self.told = 0.0, [(0.0, 0.0, 0.0)][:0]
+        self.conditions, self.time = conditions, 0.0
+        Recorder.commands = []
 
     def step(self, port: float, starboard: float, step_s: float) -> None:
-        self.told.append((self.time, port, starboard))
+        self.commands.append((self.time, port, starboard))
         self.time += step_s
 
     def state(self) -> State:
@@ -41,7 +43,7 @@ class Diverging(Recorder):
         return (0.0, 0.0, 0.0, math.inf if self.time > 0.5 else 0.0, 0.0, 0.0)
 
 
-def test_hull_starts_at_rest_over_ground_with_its_heading() -> None:
+def test_a_vessel_starts_at_rest_over_ground_with_its_heading() -> None:
     conditions = Conditions(current_mps=(0.3, 0.1), heading_rad=0.7)
     run = run_manoeuvre(OTTER, AHEAD, conditions, duration_s=1.0)
     np.testing.assert_allclose(run.states[0], [0, 0, 0.7, 0, 0, 0], atol=1e-15)
@@ -56,18 +58,11 @@ def test_rows_are_at_most_0_05_s_apart_from_zero_to_the_end() -> None:
 
 
 def test_commands_change_when_the_schedule_says_not_at_the_next_step() -> None:
-    told: list[tuple[float, float, float]] = []
-
-    def simulate(vessel: Vessel, conditions: Conditions) -> Recorder:
-        hull = Recorder(vessel, conditions)
-        hull.told = told
-        return hull
-
     schedule = Schedule((0.02, 1.013), ((5.0, 6.0), (7.0, 8.0)))
-    run_manoeuvre(OTTER, schedule, duration_s=2.0, simulate=simulate)
-    for time, port, starboard in told:
+    run_manoeuvre(OTTER, schedule, duration_s=2.0, simulate=Recorder)
+    for time, port, starboard in Recorder.commands:
         assert (port, starboard) == schedule.at(time + 1e-6)
-    assert any(abs(time - 1.013) < 1e-9 for time, _, _ in told)
+    assert any(abs(time - 1.013) < 1e-9 for time, _, _ in Recorder.commands)
 
 
 def test_duration_is_the_schedule_and_a_minute_unless_given() -> None:
@@ -78,31 +73,21 @@ def test_duration_is_the_schedule_and_a_minute_unless_given() -> None:
 @pytest.mark.parametrize(
     ("duration", "step", "message"),
     [
-        (0.0, 0.05, "--duration 0: give 0.001 s or more"),
-        (1e-12, 0.05, "--duration 1e-12: give 0.001 s or more"),
-        (-1.0, 0.05, "--duration -1"),
+        (-1.0, 0.05, "--duration -1: give 0.001 s or more"),
         (math.nan, 0.05, "--duration nan: give a finite number of seconds"),
-        (math.inf, 0.05, "--duration inf: give a finite number of seconds"),
-        (10.0, 0.0, "--dt 0: give seconds above 0, at most 0.05"),
-        (10.0, math.nan, "--dt nan"),
+        (10.0, math.nan, "--dt nan: give seconds above 0, at most 0.05"),
         (10.0, 0.06, "--dt 0.06"),
         (1e9, 0.05, "more than 10000000 steps"),
     ],
 )
 def test_bad_times_are_named(duration: float, step: float, message: str) -> None:
-    with pytest.raises(UserError) as caught:
+    with pytest.raises(UserError, match=message):
         time_grid(duration, step)
-    assert message in str(caught.value)
 
 
 def test_motion_that_is_not_finite_is_an_error_with_its_time() -> None:
     with pytest.raises(UserError, match=r"physics: motion of otter is not finite at t = 0\.55 s"):
         run_manoeuvre(OTTER, AHEAD, duration_s=2.0, simulate=Diverging)
-
-
-def test_unknown_tests_are_refused() -> None:
-    with pytest.raises(UserError, match="--test loop: unknown; choose turning-circle, "):
-        run_test(OTTER, "loop")
 
 
 def test_trajectory_reads_back_bit_by_bit(tmp_path: Path) -> None:
@@ -113,12 +98,6 @@ def test_trajectory_reads_back_bit_by_bit(tmp_path: Path) -> None:
     table = np.loadtxt(tmp_path / "way.csv", delimiter=",", skiprows=1)
     np.testing.assert_array_equal(table[:, 0], run.times_s)
     np.testing.assert_array_equal(table[:, 1:], run.states)
-
-
-def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
-    run = run_manoeuvre(OTTER, AHEAD, duration_s=0.1)
-    with pytest.raises(UserError, match=r"cannot be written .*; give a place in a folder"):
-        write_trajectory(run, tmp_path / "none" / "way.csv")
 
 
 def test_command_line_words_become_a_run(tmp_path: Path) -> None:
@@ -133,17 +112,3 @@ def test_command_line_words_become_a_run(tmp_path: Path) -> None:
     )
     np.testing.assert_array_equal(run.states, expected.states)
     assert manoeuvre("scout", test="drift", duration_s=1.0).test == "drift"
-
-
-@pytest.mark.parametrize("both", [{}, {"schedule": "plan.csv", "test": "drift"}])
-def test_either_a_schedule_or_a_test(both: dict[str, str]) -> None:
-    with pytest.raises(UserError, match=r"either --schedule FILE\.csv or --test NAME"):
-        manoeuvre("otter", both.get("schedule"), both.get("test"))
-
-
-@pytest.mark.parametrize("heading", [math.nan, math.inf, -3601.0, 1e300])
-def test_headings_without_an_exact_sine_are_refused(heading: float) -> None:
-    with pytest.raises(
-        UserError, match=rf"--heading {heading:g}: give degrees".replace("+", r"\+")
-    ):
-        manoeuvre("otter", test="drift", heading_deg=heading)
