@@ -93,8 +93,8 @@ def build_scene(
     for vessel, label in zip(vessels, labels, strict=True):
         add_vessel(spec, vessel, label, parts[vessel.name], looks=looks is not None)
     if items:
-        kinds = [None] * items if looks is None else [classes[k].name for k in looks]
-        add_items(spec, shipped_part("debris"), kinds)
+        seen = (None,) * items if looks is None else (classes[k].name for k in looks)
+        add_items(spec, shipped_part("debris"), list(seen))
     if navigable is not None:
         add_quays(spec, navigable, pitch_m)
     model = compiled(spec, "scene")
