@@ -98,6 +98,12 @@ def parallel_env(**options: Any) -> "ForagingParallelEnv":
     ------
     UserError
         If one is not valid.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> mf.parallel_env(scenario="open-bay").possible_agents
+    ['scouts_0', 'scouts_1', 'foragers_0', 'foragers_1']
     """
     from mjforage.learning.environments.parallel import ForagingParallelEnv
 

@@ -4,7 +4,7 @@ import os
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from mjforage.api.players import player_names
 from mjforage.api.progress import bar
@@ -12,7 +12,7 @@ from mjforage.api.run import Run
 from mjforage.api.scenarios import Named, scenario_of
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
-from mjforage.physics.worlds import ladder_of
+from mjforage.physics.worlds import WORLDS, ladder_of
 from mjforage.runs.evaluate import evaluate as run_evaluate
 from mjforage.runs.resuming import Resume
 from mjforage.runs.selection import USUAL
@@ -74,14 +74,15 @@ def evaluate(
     >>> run.episodes.height
     4
     """
+    _check_whole(episodes=episodes, seed=seed, jobs=jobs)
+    _check_kinds(folder, resume, progress)
+    worlds = _worlds(world)
     names = player_names(policies)
     setup = scenario_of(scenario, changes)
-    worlds = (world,) if isinstance(world, str) else tuple(world)
-    kept = None if folder is not None else tempfile.TemporaryDirectory(prefix="mjforage-")
-    target = Path(folder) if folder is not None else Path(kept.name) / "run"  # type: ignore[union-attr]
+    temporary = Path(tempfile.mkdtemp(prefix="mjforage-")) if folder is None else None
+    target = Path(folder) if folder is not None else temporary / "run"  # type: ignore[operator]
     options: dict[str, Any] = {"episodes": episodes, "seed": seed, "worlds": worlds}
     options |= {"metrics": tuple(metrics), "kept": tuple(record), "resume": resume}
-    _check_whole(episodes=episodes, seed=seed, jobs=jobs)
     try:
         with bar("evaluate", "episodes", progress) as shown:
             run_evaluate(
@@ -95,7 +96,7 @@ def evaluate(
     except KeyboardInterrupt:
         if not (target / "run.json").is_file():
             raise
-    return Run(target, kept)
+    return Run(target, temporary)
 
 
 def compare(
@@ -119,6 +120,13 @@ def compare(
     ------
     UserError
         As `evaluate`.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> gap = mf.compare("open-bay", "greedy", episodes=1, horizon=5)
+    >>> gap.differences(world=("graph", "physics"), metrics=["pta_d"])["world"].to_list()
+    ['physics - graph']
     """
     if "world" in options:
         raise UserError("compare takes no world; give evaluate(..., world=[...]) those you want")
@@ -140,12 +148,34 @@ def load_run(folder: Named, *, policies: object = ()) -> Run:
     ------
     UserError
         If it is no run folder, or a file in it is damaged.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> run = mf.evaluate("open-bay", "greedy", episodes=1, horizon=5, folder="runs/first")
+    >>> mf.load_run("runs/first")
+    Run(open-bay, graph, greedy, 1 episode, seed 0)
     """
-    if not isinstance(folder, str | os.PathLike):
-        raise TypeError(f"folder is {type(folder).__name__}; give a path")
+    _check_kinds(folder)
     if policies:
         player_names(policies)
     return Run(Path(folder))
+
+
+def _worlds(world: object) -> tuple[str, ...]:
+    several = (world,) if isinstance(world, str) else world
+    if not isinstance(several, Sequence) or not several:
+        raise UserError(f"world {world!r}: give one of {', '.join(WORLDS)}, or several in a list")
+    return tuple(str(one) for one in several)
+
+
+def _check_kinds(folder: object, resume: object = "same", progress: object = None) -> None:
+    if folder is not None and not isinstance(folder, str | os.PathLike):
+        raise TypeError(f"folder is {type(folder).__name__}; give a path")
+    if resume not in get_args(Resume):
+        raise UserError(f"resume {resume!r}: choose {', '.join(get_args(Resume))}")
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise TypeError(f"progress is {type(progress).__name__}; give True, False or a function")
 
 
 def _check_whole(**numbers: object) -> None:

@@ -38,6 +38,13 @@ class State(NamedTuple):
     discovered : (item,) True once an agent has seen it
     belief : (row, column) believed items, as the fleet knows together
     legal_moves : (agent, 9) moves that are legal while nobody is in the way: N, NE, ..., NW, stay
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> state = mf.make_mission("open-bay").reset(seed=1)
+    >>> state.step, state.time_s, state.agent_xy_m.shape
+    (0, 0.0, (4, 2))
     """
 
     step: Any
@@ -139,7 +146,9 @@ class Mission:
             If there is no such policy, or no episode has been started.
         """
         self._check_started("play")
-        [name] = player_names([policy])
+        name, *others = player_names(policy)
+        if others:
+            raise UserError(f"play: {1 + len(others)} policies; give one")
         player = create_policy(name)
         self._core.prepare(player)
 
@@ -225,6 +234,17 @@ def make_mission(
     ------
     UserError
         If there is no such scenario or world, or the scenario cannot be played there.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> mission = mf.make_mission("open-bay", batch=3, horizon=5)
+    >>> mission.reset(seed=1).agent_xy_m.shape
+    (3, 4, 2)
+    >>> for state in mission.play("greedy"):
+    ...     pass
+    >>> state.step.tolist()
+    [5, 5, 5]
     """
     if world not in WORLDS:
         raise UserError(f"world {world!r}: unknown; {nearest(str(world), WORLDS)}")

@@ -36,7 +36,7 @@ def player_names(policies: Any) -> list[str]:
         If one is in no form that is known, or its name is that of another.
     """
     if isinstance(policies, Mapping):
-        return [_reference(one, str(name)) for name, one in policies.items()]
+        return [_reference(one, _checked(str(name))) for name, one in policies.items()]
     several = isinstance(policies, Iterable) and not isinstance(policies, str | Path)
     return [_reference(one, "") for one in (policies if several else [policies])]
 
@@ -60,11 +60,14 @@ def _reference(policy: Any, name: str) -> str:
 
 
 def _put(made: type) -> str:
-    name = made.__name__
+    POLICIES.put(name := _checked(made.__name__), made)
+    return name
+
+
+def _checked(name: str) -> str:
     if not name.replace("_", "").replace("-", "").isalnum():
         remedy = 'give it a name of letters and digits, as in {"my-policy": policy}'
         raise UserError(f"policy {name!r}: {remedy}")
-    POLICIES.put(name, made)
     return name
 
 

@@ -2,6 +2,7 @@
 
 import shutil
 import tempfile
+import weakref
 from collections.abc import Sequence
 from functools import cached_property
 from html import escape
@@ -48,16 +49,17 @@ class Run:
     ['world', 'policy', 'metric', 'mean', 'low', 'high', 'sem', 'iqm', 'n']
     """
 
-    def __init__(
-        self, folder: Path, kept: "tempfile.TemporaryDirectory[str] | None" = None
-    ) -> None:
-        self._folder, self._kept = folder, kept  # a temporary folder goes when the run does
+    def __init__(self, folder: Path, temporary: Path | None = None) -> None:
+        """Open a run folder; a temporary one around it goes when the run does."""
+        self._folder, self._in_memory = folder, temporary is not None
+        if temporary is not None:
+            weakref.finalize(self, shutil.rmtree, temporary, ignore_errors=True)
         self._info = load_run(folder / "run.json")
 
     @property
     def folder(self) -> Path | None:
         """The run folder; None where the run is in memory alone."""
-        return None if self._kept else self._folder
+        return None if self._in_memory else self._folder
 
     @property
     def complete(self) -> bool:
@@ -86,7 +88,7 @@ class Run:
         scenario = scenario_from_tree(dict(self._info.scenario), where)
         return Scenario(scenario, GridMap(self._info.map.name, self._info.map.cells))
 
-    @cached_property
+    @property
     def episodes(self) -> pl.DataFrame:
         """A row per world, policy and episode: items, and every metric."""
         return self._table("episodes")
@@ -106,7 +108,7 @@ class Run:
         """A row per world, policy, episode and item: who discovered and collected it, and when."""
         return self._table("items")
 
-    @cached_property
+    @property
     def summary(self) -> pl.DataFrame:
         """A row per world, policy and metric: mean, bootstrap 95 % interval, SEM, IQM, episodes."""
         rows = [
@@ -225,7 +227,7 @@ class Run:
 
         self._check_complete()
         page = write_report(self._folder)
-        if path is None and self._kept:
+        if path is None and self._in_memory:
             raise UserError('report: the run has no folder; give a path, as in "report.html"')
         return page if path is None else Path(shutil.copyfile(page, Path(path)))
 

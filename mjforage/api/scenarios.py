@@ -9,12 +9,21 @@ import numpy as np
 import tomli_w
 from numpy.typing import ArrayLike, NDArray
 
+from mjforage.api.vessels import Vessel, vessel_file
 from mjforage.base.atomic_files import atomic_write
+from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.scenario import scenario_file
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import WaterIs, is_shipped_map, write_table
-from mjforage.scenario.maps import GridMap, Starts, load_map, load_starts, water_of_array
+from mjforage.scenario.maps import (
+    GridMap,
+    Starts,
+    check_starts,
+    load_map,
+    load_starts,
+    water_of_array,
+)
 from mjforage.scenario.scenario import Scenario as Settings
 
 if TYPE_CHECKING:
@@ -63,7 +72,10 @@ class Map:
             grid, beside = GridMap("array", water_of_array(water)), None
         self._grid = GridMap(name or grid.name, grid.navigable)
         self._starts = starts if starts is not None else beside
+        if not (isinstance(pitch_m, int | float | np.number) and 0.0 < pitch_m < np.inf):
+            raise UserError(f"pitch_m = {pitch_m!r}: give metres above 0")
         self._pitch_m = float(pitch_m)
+        check_starts(self.starts, self.water, "this map", self.name)
 
     @property
     def name(self) -> str:
@@ -122,7 +134,7 @@ class Scenario(Setup):
     --------
     >>> import mjforage as mf
     >>> mf.load_scenario("comb-port", horizon=60)
-    Scenario(comb-port, 45 x 55 at 4 m, 2 scouts + 2 foragers, 60 decisions of 10 s)
+    Scenario(comb-port, 62 x 46 at 4 m, 2 scouts + 2 foragers, 60 decisions of 10 s)
     """
 
     @property
@@ -233,15 +245,14 @@ def _changed(
     values = dict(_flat("", changes))
     if isinstance(chosen, str | os.PathLike):
         file, grid = os.fspath(chosen), None
-        values = {"map.file": file, "map.water": "light"} | values
-        if is_harbour(file):
-            values = {"map.starts": []} | values
+        starts = [] if is_harbour(file) else None
+        values = {"map.file": file, "map.water": "light", "map.starts": starts} | values
     elif chosen is not None:
         pitch_m = values.get("map.pitch_m", scenario.map.pitch_m)
         found = chosen if isinstance(chosen, Map) else Map(chosen, pitch_m=pitch_m)
         grid = GridMap(found.name, found.water)
-        starts = [list(cell) for cell in found.starts]
-        own = {"map.file": found.name, "map.pitch_m": found.pitch_m, "map.starts": starts}
+        own = {"map.file": found.name, "map.pitch_m": found.pitch_m}
+        own["map.starts"] = [list(cell) for cell in found.starts]
         values = own | values
     elif "map.file" in values:
         grid = None
@@ -267,6 +278,8 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
+    if isinstance(value, Vessel):
+        return str(vessel_file(value))
     return [_plain(one) for one in value] if isinstance(value, list | tuple) else value
 
 

@@ -37,7 +37,7 @@ class View:
     def __init__(self, task: Task, observation: Observation, row: int) -> None:
         self._task, self._seen, self._row = task, observation, row
 
-    @property
+    @cached_property
     def agents(self) -> tuple[str, ...]:
         """Names of all agents."""
         return self._task.fleet.names

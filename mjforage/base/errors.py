@@ -2,7 +2,17 @@
 
 
 class UserError(Exception):
-    """Bad input or a bad environment; the command line prints it as one line and exits with 2."""
+    """Bad input or a bad environment; the command line prints it as one line and exits with 2.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> try:
+    ...     mf.load_scenario("comb-prot")
+    ... except mf.UserError as error:
+    ...     print(str(error).split("; ")[1])
+    did you mean comb-port?
+    """
 
 
 class WeightsError(UserError):

@@ -196,6 +196,12 @@ class Vessel:
 
     Absent tables: no cross-flow drag, no wind load, no load, the least power of propellers of
     0.2 m, and a tuning that `physics.model` works out.
+
+    Examples
+    --------
+    >>> import dataclasses, mjforage as mf
+    >>> heavy = dataclasses.replace(mf.load_vessel("otter"), name="heavy", mass_kg=90.0)
+    >>> port = mf.load_scenario("comb-port", physics={"vessels": {"foragers": heavy}})
     """
 
     name: Annotated[str, NotInFile()]
@@ -254,6 +260,12 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
     UserError
         If there is no such vessel, if the file is not a valid one, or if no body can have its
         parameters.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> mf.load_vessel("otter").length_m
+    2.0
     """
     path = vessel_path(name_or_path)
     where = f"vessel {path.stem}"

@@ -94,12 +94,13 @@ def run_statement(statement: str, env: dict[str, str], command: Callable[..., An
             subprocess.run(["bash", "-euo", "pipefail", "-c", statement], env=env, check=True)
 
 
-def run_python(block: Block, folder: Path) -> None:
-    """Import a block that is a module, with its tests; run any other."""
+def run_python(block: Block, folder: Path, names: dict[str, Any]) -> None:
+    """Import a block that is a module, with its tests; run any other, by the names so far."""
     if block.file is None:
         script = folder / f"block_{block.line}.py"
         script.write_text(block.text)
-        runpy.run_path(str(script), run_name="__main__")
+        found = runpy.run_path(str(script), init_globals=names, run_name="__main__")
+        names |= {name: value for name, value in found.items() if not name.startswith("__")}
         return
     sys.path.append(str(folder))
     module = importlib.import_module(block.file.removesuffix(".py"))
@@ -110,14 +111,14 @@ def run_python(block: Block, folder: Path) -> None:
 
 @pytest.mark.parametrize("page", [p for p in pages() if any(not b.mark for b in blocks(p))])
 def test_every_block_runs(page: str, folder: Path, command: Callable[..., Any]) -> None:
-    env = environment(folder)
+    env, names = environment(folder), dict[str, Any]()
     for block in blocks(page):
         if block.file and block.language != SHELL:
             (folder / block.file).write_text(block.text)
         if block.mark or missing(block.text):
             continue
         if block.language == "python":
-            run_python(block, folder)
+            run_python(block, folder, names)
         elif block.language == SHELL:
             for statement in statements(block.text):
                 if not statement.startswith(SETTING_UP):

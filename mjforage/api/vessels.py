@@ -1,0 +1,50 @@
+"""Vessels as objects: written to files, by which scenarios name them."""
+
+import hashlib
+import tempfile
+from dataclasses import is_dataclass
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import tomli_w
+
+from mjforage.base.atomic_files import atomic_write, write_errors
+from mjforage.physics.quantities import Quantity
+from mjforage.physics.vessels import Vessel, check_vessel
+from mjforage.scenario.schema import NotInFile
+
+
+def vessel_file(vessel: Vessel) -> Path:
+    """File of a vessel that is an object, for temporary files; the same for equal vessels.
+
+    Raises
+    ------
+    UserError
+        If no body can have its parameters, or the file cannot be written.
+    """
+    check_vessel(vessel, f"vessel {vessel.name}")
+    text = tomli_w.dumps(_tables(vessel))
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+    path = Path(tempfile.gettempdir()) / "mjforage-vessels" / digest / f"{vessel.name}.toml"
+    with write_errors(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_write(path) as beside:
+        beside.write_text(text, encoding="utf-8")
+    return path
+
+
+def _tables(record: Any) -> dict[str, Any]:
+    """Keys of a file: numbers with their units, and tables; what is absent is left out."""
+    found: dict[str, Any] = {}
+    hints = get_type_hints(type(record), include_extras=True)
+    for name, hint in hints.items():
+        value = getattr(record, name)
+        notes = getattr(hint, "__metadata__", ())
+        units = [note.unit for note in notes if isinstance(note, Quantity)]
+        if is_dataclass(value):
+            found[name] = _tables(value)
+        elif units:
+            found[name] = {"value": value, "unit": units[0], "source": "given in Python"}
+        elif value is not None and not any(isinstance(note, NotInFile) for note in notes):
+            found[name] = value
+    return found

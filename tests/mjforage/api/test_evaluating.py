@@ -1,0 +1,135 @@
+"""Runs of policies in every form: the same numbers through every door."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+from polars.testing import assert_frame_equal
+
+import mjforage as mf
+from mjforage.cli.commands import app
+from tests.mjforage.api.conftest import Eastward, drawn, nearest
+
+QUIET: dict[str, Any] = {"record": (), "progress": False}
+
+
+def test_a_function_an_object_and_a_class_play_beside_a_name(bay: mf.Scenario) -> None:
+    run = mf.evaluate(bay, ["greedy", nearest, Eastward, Eastward(6)], episodes=2, **QUIET)
+    assert run.policies == ("greedy", "nearest", f"{Eastward.__module__}:Eastward", "Eastward")
+    moved = run.agents.filter(pl.col("step") > 0).group_by("policy").agg(pl.col("x_m").mean())
+    east, west = (moved.filter(policy=name)["x_m"].item() for name in run.policies[2:])
+    assert east > west
+
+
+def test_a_function_does_what_a_class_would(bay: mf.Scenario) -> None:
+    run = mf.evaluate(
+        bay,
+        {"by-function": lambda view: dict.fromkeys(view.agents, "E"), "by-class": Eastward()},
+        episodes=3,
+        **QUIET,
+    )
+    one, other = (run.agents.filter(policy=name).drop("policy") for name in run.policies)
+    assert_frame_equal(one, other)
+
+
+def test_workers_change_no_number(bay: mf.Scenario) -> None:
+    forms = [nearest, drawn, {"held": Eastward(4)}["held"]]
+    one, two = (
+        mf.evaluate(bay, forms, episodes=3, world=("graph",), jobs=jobs, seed=5, **QUIET)
+        for jobs in (1, 2)
+    )
+    for table in ("episodes", "steps", "agents", "items"):
+        assert_frame_equal(getattr(one, table), getattr(two, table))
+
+
+def test_a_redefined_function_is_the_new_one_in_workers_that_stay(bay: mf.Scenario) -> None:
+    def ends(move: str) -> pl.DataFrame:
+        def steer(view: mf.View) -> dict[str, str]:
+            return dict.fromkeys(view.agents, move)
+
+        return mf.evaluate(bay, steer, episodes=2, jobs=2, **QUIET).agents
+
+    east, west, again = (ends(move) for move in "EWE")
+    assert_frame_equal(east, again)
+    assert not east["x_m"].equals(west["x_m"])
+
+
+def test_the_command_line_and_a_loop_of_steps_give_equal_bits(
+    bay: mf.Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    bay.to_file("bay.toml")
+    how = ["--policy", "greedy", "--episodes", "2", "--seed", "7", "--replay", "none"]
+    app(["evaluate", "bay.toml", *how, "--out", "run"], result_action="return_value")
+    mine = mf.evaluate(bay, "greedy", episodes=2, seed=7, **QUIET)
+    for table in ("episodes", "steps", "agents", "items"):
+        assert_frame_equal(getattr(mine, table), getattr(mf.load_run("run"), table))
+    mission = mf.make_mission(bay)
+    for episode in range(2):
+        mission.reset(seed=7, episode=episode)
+        places = np.stack([state.agent_xy_m for state in mission.play("greedy")])
+        logged = mine.agents.filter(pl.col("step") > 0, episode=episode)
+        assert (logged.select("x_m", "y_m").to_numpy() == places.astype("f4").reshape(-1, 2)).all()
+
+
+def test_a_folder_is_resumed_and_in_memory_nothing_stays(
+    bay: mf.Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "t"))
+    (tmp_path / "t").mkdir()
+    run = mf.evaluate(bay, nearest, episodes=2, **QUIET)
+    assert run.folder is None and list((tmp_path / "t").iterdir())
+    del run
+    assert not list((tmp_path / "t").iterdir())
+    folder = tmp_path / "run"
+    first = mf.evaluate(bay, nearest, episodes=2, folder=folder, **QUIET)
+    more = mf.evaluate(bay, nearest, episodes=3, folder=folder, **QUIET)
+    assert first.folder == more.folder == folder
+    assert_frame_equal(
+        more.episodes.head(2), mf.evaluate(bay, nearest, episodes=2, **QUIET).episodes
+    )
+
+
+def test_another_function_of_the_name_is_another_run(bay: mf.Scenario, tmp_path: Path) -> None:
+    mf.evaluate(bay, {"mine": nearest}, episodes=1, folder=tmp_path / "run", **QUIET)
+    with pytest.raises(mf.UserError, match="run: holds another run"):
+        mf.evaluate(bay, {"mine": drawn}, episodes=1, folder=tmp_path / "run", **QUIET)
+    with pytest.raises(mf.UserError, match="run: holds another run"):
+        mf.evaluate(bay, {"mine": Eastward(1)}, episodes=1, folder=tmp_path / "run", **QUIET)
+    mf.evaluate(bay, {"thine": Eastward(1)}, episodes=1, folder=tmp_path / "object", **QUIET)
+    with pytest.raises(mf.UserError, match="object: holds another run"):
+        mf.evaluate(bay, {"thine": Eastward(2)}, episodes=1, folder=tmp_path / "object", **QUIET)
+
+
+def test_ctrl_c_returns_what_is_finished(bay: mf.Scenario) -> None:
+    def stop(done: int, total: int) -> None:
+        if done >= 50:
+            raise KeyboardInterrupt
+
+    run = mf.evaluate(bay, "random", episodes=70, progress=stop, record=())
+    assert not run.complete and run.episodes.height == 50
+    assert run.summary.filter(metric="pta_c")["n"].to_list() == [50]
+    assert repr(run).endswith("not complete)")
+    with pytest.raises(mf.UserError, match="the run is not complete"):
+        run.plot()
+
+
+def test_compare_plays_both_worlds(bay: mf.Scenario) -> None:
+    gap = mf.compare(bay, nearest, episodes=1, **QUIET)
+    assert gap.worlds == ("graph", "physics")
+    ladder = mf.compare(bay.replace(horizon=2), nearest, episodes=1, ladder=True, **QUIET)
+    assert ladder.worlds[0] == "graph" and len(ladder.worlds) > 2
+
+
+def test_weights_of_any_folder_are_played_by_their_path(bay: mf.Scenario, tmp_path: Path) -> None:
+    from mjforage.scenario.assets import models_folder
+
+    shipped = models_folder() / "weights" / "ddqn.safetensors"
+    path = tmp_path / "mine.safetensors"
+    path.write_bytes(shipped.read_bytes())
+    port = mf.load_scenario("comb-port", horizon=6)
+    run = mf.evaluate(port, [path, "ddqn"], episodes=1, **QUIET)
+    mine, theirs = (run.agents.filter(policy=name).drop("policy") for name in ("mine", "ddqn"))
+    assert_frame_equal(mine, theirs)

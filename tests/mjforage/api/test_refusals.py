@@ -1,0 +1,190 @@
+"""Wrong types, wrong names and impossible values: one line each, never an end of the process."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mjforage as mf
+from tests.mjforage.api.conftest import Eastward, nearest
+
+ONE: dict[str, Any] = {"episodes": 1, "record": (), "progress": False}
+
+
+class Mute:
+    """Policy that answers in the wrong shape."""
+
+    def reset(self, task: object, keys: object) -> None:
+        pass
+
+    def act(self, observation: object) -> object:
+        return np.zeros(3)
+
+
+class Uncopied(Eastward):
+    """Policy that cannot be copied."""
+
+    def __deepcopy__(self, memo: object) -> "Uncopied":
+        raise TypeError("holds a lock")
+
+
+def gives(answer: object) -> Callable[[mf.View], Any]:
+    """A function that gives an answer."""
+    return lambda view: answer
+
+
+def fails(view: mf.View) -> dict[str, str]:
+    """A function with a fault."""
+    return {"scouts_0": [][0]}  # type: ignore[misc]
+
+
+SCENARIOS: list[tuple[Any, dict[str, Any], str]] = [
+    (3, {}, "scenario is int; give a name or a TOML file"),
+    (None, {}, "scenario is NoneType"),
+    ("", {}, "scenario : neither a preset"),
+    ("comb-prot", {}, "did you mean comb-port"),
+    ("missing.toml", {}, "missing.toml"),
+    ("a\0b", {}, "scenario a"),
+    ("comb-port", {"horizn": 3}, "unknown key horizn; did you mean horizon"),
+    ("comb-port", {"horizon": "long"}, "horizon"),
+    ("comb-port", {"horizon": 0}, "horizon"),
+    ("comb-port", {"horizon": 1.5}, "horizon"),
+    ("comb-port", {"horizon": None}, "horizon"),
+    ("comb-port", {"horizon": [3]}, "horizon"),
+    ("comb-port", {"horizon": object()}, "horizon"),
+    ("comb-port", {"weather": 5.0}, "weather"),
+    ("comb-port", {"weather": {"wind_sped_mps": 3}}, "did you mean weather.wind_speed_mps"),
+    ("comb-port", {"weather": {"wind_speed_mps": -1}}, "wind_speed_mps"),
+    ("comb-port", {"weather": {"wind_speed_mps": float("nan")}}, "wind_speed_mps"),
+    ("comb-port", {"team": {"scouts": {"count": -1}}}, "count"),
+    ("comb-port", {"team": {"scouts": {"count": 999}}}, "count"),
+    ("comb-port", {"team": {"scouts": {"wheels": 4}}}, "wheels"),
+    ("comb-port", {"link": {"range_m": 9.0}}, "link.range_m = 9.0 without a link"),
+    ("comb-port", {"physics": {"vessels": {"scouts": 7}}}, "vessels"),
+    ("comb-port", {"physics": {"vessels": {"nobody": "otter"}}}, "no such team"),
+    ("comb-port", {"map": "nowhere"}, "map 'nowhere': no such file"),
+    ("comb-port", {"map": np.zeros((4, 4), bool)}, "are obstacles"),
+    ("comb-port", {"map": np.ones(4)}, "two axes"),
+    ("comb-port", {"map": np.full((4, 4), "x")}, "two axes"),
+    ("comb-port", {"map": [[1, 1], [1]]}, "no array"),
+    ("comb-port", {"map": 5}, "two axes"),
+    ("comb-port", {"map": np.eye(6)}, "separate components"),
+    ("comb-port", {"map": "harbour:combs"}, "harbour"),
+]
+POLICIES: list[tuple[Any, str]] = [
+    ("greedi", "did you mean greedy"),
+    ("", "policy"),
+    ([], "no policy given"),
+    (3, "policy 3: is int; give a name"),
+    (None, "policy None: is NoneType"),
+    ([None], "policy None: is NoneType"),
+    (["greedy", "greedy"], "policy greedy: given twice"),
+    ("greedy(distance=far)", "distance"),
+    ("greedy(speed=2)", "speed"),
+    ("greedy(", "expected NAME"),
+    ("nowhere:Policy", "nowhere"),
+    ("json:JSONDecoder", "has no method reset"),
+    ("model.zip", "such files hold pickles, which are code; load the model with its own class"),
+    ("weights.safetensors", "there is no such file"),
+    (lambda view: None, "policy '<lambda>': give it a name"),
+    ({"a/b": nearest}, "policy 'a/b': give it a name"),
+    ({"": nearest}, "policy ''"),
+    ({"greedy": nearest}, "policy greedy: is the name of another"),
+    ({"mine": "levy"}, "policy mine: is levy, which has its name"),
+    (Mute(), "Mute"),
+    (Uncopied(), "policy Uncopied: cannot be copied"),
+    (int, "int"),
+    (fails, r"policy fails: raised IndexError: list index out of range \(test_refusals.py, line"),
+    ({"it": gives(5)}, "policy it: gave int; give a dict of agent -> move"),
+    ({"it": gives("N")}, "policy it: gave str"),
+    ({"it": gives({"scout_0": "N"})}, "gave a move for 'scout_0', no agent; did you mean scouts_0"),
+    ({"it": gives({"scouts_0": "n"})}, "gave 'n' for scouts_0; give one of N, NE"),
+    ({"it": gives({"scouts_0": 9})}, "gave 9 for scouts_0"),
+    ({"it": gives({"scouts_0": -1})}, "gave -1 for scouts_0"),
+    ({"it": gives({"scouts_0": True})}, "gave True for scouts_0"),
+    ({"it": gives({"scouts_0": 1.0})}, "gave 1.0 for scouts_0"),
+    ({"it": gives({0: "N"})}, "gave a move for 0, no agent"),
+    ({"it": lambda view: view.nowhere}, "raised AttributeError"),
+    ({"it": lambda: None}, "raised TypeError"),
+]
+OPTIONS: list[tuple[dict[str, Any], str]] = [
+    ({"episodes": 0}, "episodes 0"),
+    ({"episodes": -1}, "episodes -1"),
+    ({"episodes": "2"}, "episodes is str; give a whole number"),
+    ({"episodes": 2.0}, "episodes is float; give a whole number"),
+    ({"episodes": True}, "episodes is bool; give a whole number"),
+    ({"seed": -1}, "seed -1"),
+    ({"seed": 2**64}, "seed"),
+    ({"seed": None}, "seed is NoneType; give a whole number"),
+    ({"jobs": 0}, "jobs 0: give at least 1"),
+    ({"jobs": 1.5}, "jobs is float"),
+    ({"world": "moon"}, "world moon: unknown"),
+    ({"world": ()}, "world"),
+    ({"world": ("graph", "graph")}, "world graph: given twice"),
+    ({"world": 3}, "world"),
+    ({"metrics": "pta_c"}, "metric"),
+    ({"metrics": ["nowhere:Metric"]}, "nowhere"),
+    ({"record": ["frist"]}, "frist"),
+    ({"record": [99]}, "99"),
+    ({"resume": "maybe"}, "resume 'maybe'"),
+    ({"horizn": 5}, "unknown key horizn"),
+    ({"folder": 5}, "folder is int"),
+    ({"progress": "yes"}, "progress"),
+]
+CALLS: list[tuple[Callable[[mf.Scenario], Any], str]] = [
+    (lambda bay: mf.load_run("nowhere"), "nowhere/run.json: file is missing"),
+    (lambda bay: mf.load_run(5), "folder is int"),  # type: ignore[arg-type]
+    (lambda bay: mf.compare(bay, "greedy", world="graph"), "compare takes no world"),
+    (lambda bay: mf.make_mission(bay, world="moon"), "world 'moon': unknown"),
+    (lambda bay: mf.make_mission(bay, batch=0), "batch 0: give 1 or more"),
+    (lambda bay: mf.make_mission(bay, batch=10**9), "memory"),
+    (lambda bay: mf.names("polices"), "kind 'polices': unknown; did you mean policies"),  # type: ignore[arg-type]
+    (lambda bay: mf.Map("nowhere"), "map 'nowhere'"),
+    (lambda bay: mf.Map(np.ones((3, 3), bool), pitch_m=0.0), "pitch_m"),
+    (lambda bay: mf.Map(np.ones((3, 3), bool), pitch_m=-4.0), "pitch_m"),
+    (lambda bay: mf.Map(np.ones((3, 3), bool), starts=((9, 9),)), "start"),
+    (lambda bay: bay.replace(map=mf.Map(np.ones((3, 3)), starts=((0, 0), (0, 0)))), "given twice"),
+    (lambda bay: bay.to_file("/proc/nowhere/x.toml"), "/proc/nowhere"),
+    (lambda bay: bay.map.to_file("/proc/nowhere/x.csv"), "/proc/nowhere"),
+    (lambda bay: mf.load_vessel("oter"), "did you mean otter"),
+    (lambda bay: mf.parallel_env(scenario="comb-prot"), "did you mean comb-port"),
+    (lambda bay: mf.parallel_env(senario="comb-port"), "scenario"),
+]
+
+
+def test_there_are_a_hundred() -> None:
+    assert len(SCENARIOS) + len(POLICIES) + len(OPTIONS) + len(CALLS) >= 100
+
+
+def refused(call: Callable[[], Any], words: str) -> None:
+    """A call is refused in one line, by an exception of the family."""
+    with pytest.raises((mf.UserError, TypeError), match=words) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize(("name", "changes", "words"), SCENARIOS)
+def test_scenarios(name: Any, changes: dict[str, Any], words: str) -> None:
+    refused(lambda: mf.load_scenario(name, **changes), words)
+
+
+@pytest.mark.parametrize(("policy", "words"), POLICIES)
+def test_policies(bay: mf.Scenario, policy: Any, words: str) -> None:
+    refused(lambda: mf.evaluate(bay, policy, **ONE), words)
+
+
+@pytest.mark.parametrize(("options", "words"), OPTIONS)
+def test_options(bay: mf.Scenario, options: dict[str, Any], words: str) -> None:
+    refused(lambda: mf.evaluate(bay, "greedy", **{**ONE, **options}), words)
+
+
+@pytest.mark.parametrize(("call", "words"), CALLS)
+def test_calls(bay: mf.Scenario, call: Callable[[mf.Scenario], Any], words: str) -> None:
+    refused(lambda: call(bay), words)
