@@ -9,10 +9,11 @@ import numpy as np
 import tomli_w
 from numpy.typing import ArrayLike, NDArray
 
-from mjforage.api.vessels import Vessel, vessel_file
+from mjforage.api.vessels import vessel_file
 from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
+from mjforage.physics.vessels import Vessel
 from mjforage.scenario import scenario_file
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import WaterIs, is_shipped_map, write_table
@@ -245,8 +246,8 @@ def _changed(
     values = dict(_flat("", changes))
     if isinstance(chosen, str | os.PathLike):
         file, grid = os.fspath(chosen), None
-        starts = [] if is_harbour(file) else None
-        values = {"map.file": file, "map.water": "light", "map.starts": starts} | values
+        values = {"map.file": file, "map.water": "light"} | values
+        values.setdefault("map.starts", [] if is_harbour(file) else None)
     elif chosen is not None:
         pitch_m = values.get("map.pitch_m", scenario.map.pitch_m)
         found = chosen if isinstance(chosen, Map) else Map(chosen, pitch_m=pitch_m)
