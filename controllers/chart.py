@@ -26,13 +26,6 @@ class Chart:
     navigable: NDArray[np.bool_]
     pitch_m: float
 
-    def __post_init__(self) -> None:
-        if self.navigable.ndim != 2 or not self.pitch_m > 0.0:
-            raise ValueError(
-                f"chart: shape {self.navigable.shape}, pitch {self.pitch_m} m; "
-                "give (row, column) cells and a pitch above 0"
-            )
-
     @property
     def land(self) -> LandArray:
         """(column + 2, row + 2) bool, west to east and south to north, in a frame of land."""

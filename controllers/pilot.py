@@ -20,8 +20,8 @@ from mjforage.controllers.vessel_model import MODEL, FloatArray, ModelArray, Ves
 
 OPEN_PITCH_M = 4.0  # side of a node where there is no chart
 ROOM = 0.32  # of a node's side: farthest that midships goes from the centre to pick up
-PLAN_S = 0.5  # between two looks at the traffic
-HELD_MPS = 0.1  # slower than this at most counts as held back
+PLAN_S = 0.5  # between two plans of the traffic
+LIMITED_MPS = 0.1  # slower than this at most counts as held back
 
 
 class FleetArrays(NamedTuple):
@@ -54,7 +54,7 @@ def _steer_fleet(fleets: FleetArrays, e: int, step_s: float, commands: FloatArra
     for v in range(models.shape[0]):
         change_mode(fleet[v], models[v])
         if fleet[v].mode == HOLD and fleet[v].rank < NEVER_S:
-            fleet[v].rank = NEVER_S + v  # who has arrived makes room
+            fleet[v].rank = NEVER_S + v  # one that has arrived makes room
     if fleets.ticks[e] % max(round(PLAN_S / step_s), 1) == 0 and models.shape[0] > 1:
         plan_fleet(Traffic(fleet, models, fleets.paths, fleets.met, fleets.land, fleets.pitch))
     fleets.ticks[e] += 1
@@ -108,17 +108,7 @@ class Pilot:
         chart : quays; None is open water
         episodes : size of the batch
         control_s : time between two calls of `command` [s]
-
-        Raises
-        ------
-        ValueError
-            If there is no vessel or no episode, or the time is not above 0.
         """
-        if not models or episodes < 1 or not 0.0 < control_s < np.inf:
-            raise ValueError(
-                f"pilot: {len(models)} vessels, {episodes} episodes, control_s {control_s}; "
-                "give at least one of each and seconds above 0"
-            )
         count = len(models)
         self._step_s = float(control_s)
         self._fleets = FleetArrays(
@@ -177,14 +167,9 @@ class Pilot:
         """
         self._fleets.state["next_x"], self._fleets.state["next_y"] = xy[..., 0], xy[..., 1]
 
-    def look_round(self, who: NDArray[np.bool_]) -> None:
-        """Let some vessels turn on the spot where they keep position.
-
-        Parameters
-        ----------
-        who : (episode, vessel)
-        """
-        self._fleets.state["looks"] = who
+    def look_round(self, which: NDArray[np.bool_]) -> None:
+        """Let some vessels (episode, vessel) turn on the spot where they keep position."""
+        self._fleets.state["looks"] = which
 
     def command(
         self, active: NDArray[np.bool_], pose: FloatArray, velocity: FloatArray
@@ -217,5 +202,5 @@ class Pilot:
         """(episode, vessel) whether it is under way and held back for another vessel or a quay."""
         state = self._fleets.state
         most = np.where(state["way"] > 0.0, state["most_ahead"], state["most_astern"])
-        held = (state["wait"] > state["clock"]) | (most < HELD_MPS)
-        return np.asarray((state["mode"] == TRANSIT) & held)
+        waits = (state["wait"] > state["clock"]) | (most < LIMITED_MPS)
+        return np.asarray((state["mode"] == TRANSIT) & waits)

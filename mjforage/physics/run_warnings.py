@@ -18,14 +18,12 @@ RK4_LIMIT = 2.785
 """Steps per time constant beyond which Runge-Kutta of order 4 diverges (Hairer and Wanner, "Solving
 Ordinary Differential Equations II", section IV.2); the fast integrator's mean accelerations are of
 one such step."""
+CURRENTS = ("current_speed_mps", "current_wander_mps", "circulation_mps")
 PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics, tuple[str, ...]], ...] = (
     (
         "weather",
         Weather(),
-        (
-            *("shelter_height_m", "gust_intensity", "current_speed_mps"),
-            *("current_wander_mps", "circulation_mps"),
-        ),
+        ("shelter_height_m", "gust_intensity", *CURRENTS),
     ),
     ("sensors", Sensors(), ("position_noise_m", "heading_noise_deg", "camera_noise_m")),
     ("physics", Physics(), ("capture", "item_classes", "integrator", "step_s", "scale")),
@@ -35,37 +33,41 @@ PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics, tuple[str, ...]], ...] =
 
 def run_warnings(setup: Setup, worlds: Sequence[str]) -> tuple[str, ...]:
     """Lines about a run in these worlds, in the order of their weight; none where all is well."""
-    scenario, hulls = setup.scenario, [world for world in worlds if world != "graph"]
-    lines = list(_unfelt_keys(scenario, worlds))
-    lines += _still_items(scenario, hulls)
-    if hulls:
-        for vessel, teams in _hulls(setup).items():
-            where = f"vessel {vessel.name} of {' and '.join(teams)}"
-            lines += [f"{where}: {words}" for words in _of_hull(scenario, hulls, vessel, teams)]
+    scenario = setup.scenario
+    adapted = [WORLDS[world].adapt(scenario) for world in worlds if world != "graph"]
+    lines = [*_unfelt_keys(scenario, worlds, adapted), *_still_items(adapted)]
+    for vessel, teams in _vessels(setup).items() if adapted else ():
+        where = f"vessel {vessel.name} of {' and '.join(teams)}"
+        lines += [f"{where}: {words}" for words in _of_vessel(scenario, adapted, vessel, teams)]
     return tuple(lines)
 
 
-def _unfelt_keys(scenario: Scenario, worlds: Sequence[str]) -> Iterator[str]:
-    """Keys of the scenario that are given and that no world of the run feels."""
-    adapted = [None if world == "graph" else WORLDS[world].adapt(scenario) for world in worlds]
+def _unfelt_keys(
+    scenario: Scenario, worlds: Sequence[str], adapted: Sequence[Scenario]
+) -> Iterator[str]:
+    """Keys of the scenario that are given and that no world of the run feels.
+
+    Parameters
+    ----------
+    adapted : the scenario as each world with vessels has it
+    """
     unfelt = [
         f"{table}.{key}"
         for table, nothing, keys in PHYSICAL
         for key in keys
         if getattr(getattr(scenario, table), key) != getattr(nothing, key)
-        and not any(each and _feels(each, scenario, table, key) for each in adapted)
+        and not any(_feels(each, scenario, table, key) for each in adapted)
     ]
     if unfelt:
         names = " nor ".join(worlds)
         yield f"{', '.join(unfelt)}: not felt in world {names}, and without effect in this run"
 
 
-def _still_items(scenario: Scenario, hulls: Sequence[str]) -> Iterator[str]:
+def _still_items(adapted: Sequence[Scenario]) -> Iterator[str]:
     """Currents that move vessels and, by the graph world's rule, no items."""
-    adapted = [WORLDS[world].adapt(scenario) for world in hulls]
     currents = [
         f"weather.{key}"
-        for key in ("current_speed_mps", "current_wander_mps", "circulation_mps")
+        for key in CURRENTS
         if any(one.physics.items == "graph" and getattr(one.weather, key) for one in adapted)
     ]
     if currents:
@@ -78,7 +80,7 @@ def _still_items(scenario: Scenario, hulls: Sequence[str]) -> Iterator[str]:
 def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:
     """True if a world with vessels has a key of the scenario, and something that it acts on."""
     if key == "camera_noise_m" and adapted.physics.capture == "node":
-        return False  # nobody steers for an item, so that there is no camera
+        return False  # no vessel steers for an item, so that there is no camera
     if key == "item_classes":
         return adapted.physics.items == "bodies"  # others have the paper's leeway
     if key == "capture" and adapted.rules.capture == "calibrated":
@@ -86,7 +88,7 @@ def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:
     return bool(getattr(getattr(adapted, table), key) == getattr(getattr(scenario, table), key))
 
 
-def _hulls(setup: Setup) -> dict[Vessel, list[str]]:
+def _vessels(setup: Setup) -> dict[Vessel, list[str]]:
     """Every vessel as it moves -> the teams that have it."""
     choice: Physics = setup.scenario.physics
     found: dict[Vessel, list[str]] = {}
@@ -113,10 +115,10 @@ def vessel_warnings(
     yield from _too_quick(vessel, step_s, remedy)
 
 
-def _of_hull(
-    scenario: Scenario, worlds: Iterable[str], vessel: Vessel, teams: Iterable[str]
+def _of_vessel(
+    scenario: Scenario, adapted: Iterable[Scenario], vessel: Vessel, teams: Iterable[str]
 ) -> Iterator[str]:
-    wind = max(_most_wind_mps(WORLDS[world].adapt(scenario)) for world in worlds)
+    wind = max(map(_most_wind_mps, adapted))
     if vessel.load == NO_LOAD and any(scenario.team[team].collects for team in teams):
         yield "has no [load], so that items aboard add neither mass nor drag"
     step_s = scenario.physics.step_s or (0.1 if scenario.physics.integrator == "fast" else 0.02)
@@ -131,7 +133,7 @@ def _most_wind_mps(scenario: Scenario) -> float:
 
 
 def _too_quick(vessel: Vessel, step_s: float, remedy: str) -> Iterator[str]:
-    """Hulls whose control cannot keep up with them.
+    """Vessels whose control cannot keep up with them.
 
     Thrust that is wrong is mended after a period of control and the thrusters' lag. An integrator
     under a relay with such a dead time L swings by its slope times L, with a period of 4 L (Astrom

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import episode_keys
 from mjforage.controllers import Pilot
 from mjforage.controllers.state import STATE, VesselState
+from mjforage.controllers.vessel_model import packed
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_models import vessel_model
-from mjforage.physics.vessels import Vessel
+from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.physics.weather.field import Field
 from mjforage.physics.weather.settings import WeatherSettings
 
@@ -21,12 +22,24 @@ CONTROL_S = 0.1
 CALM = WeatherSettings()
 CURRENT_MPS = 0.3
 CORNER_M = 2.0  # before a corner the next leg is ordered
+FREE = 1e3  # a limit that no vessel reaches
+FORAGER, SCOUT = (packed(vessel_model(load_vessel(name))) for name in ("forager", "scout"))
 
 
 def blank() -> VesselState:
     """A pilot's memory of one vessel, all 0."""
     state: VesselState = np.zeros(1, STATE)[0]
     return state
+
+
+def vessel_at(x: float, y: float, yaw: float = 0.0, speed: float = 0.0) -> VesselState:
+    """A vessel going ahead at `speed`, without limits and items."""
+    s = blank()
+    s.x, s.y, s.yaw = x, y, yaw
+    s.vx, s.vy = speed * np.cos(yaw), speed * np.sin(yaw)
+    s.most_ahead = s.most_astern = s.most_port = s.most_starboard = FREE
+    s.item_x = s.item_y = np.nan
+    return s
 
 
 def beam_gusts(current: bool = False) -> WeatherSettings:

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from mjforage.controllers.boxes import box_gap, circle_radius
+from mjforage.controllers.boxes import box_gap
 
 
 def gap(dx: float, dy: float, yaw_a: float = 0.0, yaw_b: float = 0.0) -> float:
@@ -36,7 +36,3 @@ def test_it_turns_with_the_world() -> None:
     c, s = math.cos(0.7), math.sin(0.7)
     turned = gap(c * 2.6 - s * 1.2, s * 2.6 + c * 1.2, 0.7, 1.2)
     assert turned == pytest.approx(gap(2.6, 1.2, 0.0, 0.5))
-
-
-def test_circle() -> None:
-    assert circle_radius(4.0, 3.0) == 2.5

@@ -38,10 +38,3 @@ def test_nothing_within_reach() -> None:
     assert gap(4.0, 4.0, reach=0.5) == 0.5
     open_water = np.zeros((0, 0), np.bool_)
     assert quay_gap(open_water, 4.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.5, 3.0) == 3.0
-
-
-def test_bad_charts_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"chart: shape \(3,\)"):
-        Chart(np.ones(3, np.bool_), 4.0)
-    with pytest.raises(ValueError, match="pitch 0"):
-        Chart(np.ones((3, 3), np.bool_), 0.0)

@@ -5,17 +5,24 @@ from numpy.typing import NDArray
 from mjforage.controllers import Chart, Pilot
 from mjforage.controllers.collecting import can_be_ready, collect_item, get_ready
 from mjforage.controllers.quayside import is_quayed, line_to_item, note_quays
-from mjforage.controllers.vessel_model import packed
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
+from tests.controllers.plant import FORAGER as P
 from tests.controllers.plant import blank
 
 FORAGER = load_vessel("forager")
 BASIN, PITCH_M = np.ones((3, 3), np.bool_), 4.0
 CENTRE = 4.0
 ROOM_M = 0.5 * PITCH_M
+
+
+def in_basin(episodes: int) -> tuple[Simulation, Pilot]:
+    """Lone foragers in the basin, and their pilot."""
+    scene = build_scene([FORAGER], navigable=BASIN, pitch_m=PITCH_M)
+    pilot = Pilot([vessel_model(FORAGER)], Chart(BASIN, PITCH_M), episodes)
+    return Simulation(scene, episodes), pilot
 
 
 def pick(
@@ -31,11 +38,7 @@ def pick(
     of the node from which it is ordered there, by default the same.
     """
     n = yaws.size
-    scene = build_scene([FORAGER], navigable=BASIN, pitch_m=PITCH_M)
-    simulation, pilot = (
-        Simulation(scene, n),
-        Pilot([vessel_model(FORAGER)], Chart(BASIN, PITCH_M), n),
-    )
+    simulation, pilot = in_basin(n)
     active, to = np.ones(n, np.bool_), np.full((n, 1, 2), CENTRE) if node is None else node
     begin = to if origin is None else origin
     pose = np.concatenate((begin, yaws[:, None, None]), axis=-1)
@@ -77,7 +80,7 @@ def test_items_anywhere_in_the_node_are_picked_up_without_leaving_it() -> None:
 def test_an_item_abeam_is_backed_off_from_before_turning() -> None:
     s = blank()
     s.item_x, s.item_y = 0.3, 0.9
-    heading, speed = collect_item(s, packed(vessel_model(FORAGER)), 1.3, 0.1)
+    heading, speed = collect_item(s, P, 1.3, 0.1)
     assert (heading, speed < 0.0) == (0.0, True)
 
 
@@ -102,11 +105,7 @@ def ready(
     They are told to stay once for each of the times [s].
     """
     n = yaws.size
-    scene = build_scene([FORAGER], navigable=BASIN, pitch_m=PITCH_M)
-    simulation, pilot = (
-        Simulation(scene, n),
-        Pilot([vessel_model(FORAGER)], Chart(BASIN, PITCH_M), n),
-    )
+    simulation, pilot = in_basin(n)
     active, to = np.ones(n, np.bool_), np.full((n, 1, 2), CENTRE)
     simulation.place_vessels(np.concatenate((to, yaws[:, None, None]), axis=-1))
     pilot.expect(items)
@@ -153,7 +152,7 @@ def test_in_a_drift_a_hull_keeps_its_place_and_does_not_turn_to_the_next_item() 
 def test_an_item_within_the_reach_of_the_turning_bow_is_not_turned_to() -> None:
     s = blank()
     s.yaw, s.next_x, s.next_y = 0.2, 0.3, 0.9
-    assert get_ready(s, packed(vessel_model(FORAGER)), 1.3) == (0.2, 0.0)
+    assert get_ready(s, P, 1.3) == (0.2, 0.0)
 
 
 REST_M = 5.9  # from the basin's middle, of an item's middle that touches a quay: 6 m less 0.1
@@ -189,7 +188,7 @@ def test_a_corner_is_entered_along_the_quay_nearer_ahead(
     east: float, north: float, yaw: float
 ) -> None:
     """On the line the near edge of the mouth reaches past the item, towards the other quay."""
-    s, model, land = blank(), packed(vessel_model(FORAGER)), Chart(BASIN, PITCH_M).land
+    s, model, land = blank(), P, Chart(BASIN, PITCH_M).land
     s.x, s.y, s.yaw = CENTRE + 4 * east, CENTRE + 4 * north, yaw
     s.item_x, s.item_y = CENTRE + REST_M * east, CENTRE + REST_M * north
     note_quays(s, model, land, PITCH_M)
@@ -209,21 +208,15 @@ def test_a_corner_without_water_behind_is_entered_along_the_other_quay() -> None
     chart = Chart(np.array([[1, 1, 1]], np.bool_), PITCH_M)
     s = blank()
     s.x, s.y, s.yaw, s.item_x, s.item_y = 8.0, 0.0, 0.5 * np.pi, 9.9, 1.9
-    note_quays(s, packed(vessel_model(FORAGER)), chart.land, PITCH_M)
+    note_quays(s, P, chart.land, PITCH_M)
     assert (s.quay_x, s.quay_y, s.run) == (1.0, 1.0, 0.0)
 
 
 def test_in_open_water_there_is_no_quay() -> None:
     s = blank()
     s.quay_x, s.item_x, s.item_y = 1.0, CENTRE + 5.3, CENTRE
-    note_quays(s, packed(vessel_model(FORAGER)), Chart(BASIN, PITCH_M).land, PITCH_M)
+    note_quays(s, P, Chart(BASIN, PITCH_M).land, PITCH_M)
     assert not is_quayed(s)
     s.item_x = np.nan
-    note_quays(s, packed(vessel_model(FORAGER)), Chart(BASIN, PITCH_M).land, PITCH_M)
+    note_quays(s, P, Chart(BASIN, PITCH_M).land, PITCH_M)
     assert not is_quayed(s)
-
-
-def test_without_an_item_it_keeps_its_place() -> None:
-    items = np.full((1, 1, 2), np.nan)
-    _, farthest = pick(items, np.array([0.4]), 5.0)
-    assert farthest < 0.01

@@ -23,29 +23,18 @@ from mjforage.controllers.legs import REACTION_S
 from mjforage.controllers.loops import surge_drag, yaw_drag
 from mjforage.controllers.state import VesselState
 from mjforage.controllers.steering import most_difference, most_gain, push, safe_force, safe_moment
-from mjforage.controllers.vessel_model import packed
-from mjforage.physics.vessel_models import vessel_model
-from mjforage.physics.vessels import load_vessel
-from tests.controllers.plant import blank
+from tests.controllers.plant import FORAGER as P
+from tests.controllers.plant import FREE, vessel_at
 from tests.graph_planner.charts import grid
 
-P = packed(vessel_model(load_vessel("forager")))
 REACTION = P.lag_s + 2.0 * REACTION_S
 LEVER = 0.5 * P.length_m - INSET_M  # of the corners of a hull along a quay
 BASIN = Chart(grid(".....", ".....", "....."), 4.0).land  # quays at y = -2 and 10
-FREE = 1e3
-
-
-def hull(x: float, y: float, yaw: float = 0.0) -> VesselState:
-    s = blank()
-    s.x, s.y, s.yaw = x, y, yaw
-    s.most_ahead = s.most_astern = s.most_port = s.most_starboard = FREE
-    return s
 
 
 def beside(gap: float) -> VesselState:
     """A forager along the southern quay, in the middle of a cell."""
-    return hull(8.0, -2.0 + 0.5 * P.beam_m + gap)
+    return vessel_at(8.0, -2.0 + 0.5 * P.beam_m + gap)
 
 
 def striking(gap: float) -> float:
@@ -70,7 +59,7 @@ def test_moving_aside_uses_up_what_turning_may_have() -> None:
 
 def test_turning_uses_up_what_going_may_have() -> None:
     """Bow on, the corner to starboard comes nearer in a turn to port."""
-    s = hull(8.0, -2.0 + 0.5 * P.length_m + 0.1, -0.5 * math.pi)
+    s = vessel_at(8.0, -2.0 + 0.5 * P.length_m + 0.1, -0.5 * math.pi)
     heed_land(s, P, BASIN, 4.0)
     still = s.most_ahead
     s.most_ahead, s.rate = FREE, 0.1
@@ -83,7 +72,7 @@ def test_turning_uses_up_what_going_may_have() -> None:
 def test_far_from_everything_nothing_is_limited() -> None:
     s = beside(NEAR_M + 0.01)
     heed_land(s, P, BASIN, 4.0)
-    heed_hull(s, P, hull(8.0, 4.0), P)
+    heed_hull(s, P, vessel_at(8.0, 4.0), P)
     assert s.most_port == s.most_starboard == s.most_ahead == FREE
 
 
@@ -91,7 +80,7 @@ def test_a_quay_that_juts_out_limits_a_hull_passing_it() -> None:
     """Its corner lies to starboard, 0.5 m before midships: a turn to starboard brings it nearer."""
     land = Chart(grid("...", "...", "#.."), 4.0).land  # a corner at (2, 2)
     off, half = 0.5 * P.beam_m + 0.1, math.sqrt(0.5)
-    s = hull(2.0 + half * (off - 0.5), 2.0 + half * (off + 0.5), -0.25 * math.pi)
+    s = vessel_at(2.0 + half * (off - 0.5), 2.0 + half * (off + 0.5), -0.25 * math.pi)
     heed_land(s, P, land, 4.0)
     assert s.most_port == FREE
     assert s.most_starboard == pytest.approx(striking(0.1) / 0.5)
@@ -99,7 +88,7 @@ def test_a_quay_that_juts_out_limits_a_hull_passing_it() -> None:
 
 @pytest.mark.parametrize("gap", [0.0, 0.2])
 def test_two_hulls_have_half_of_the_gap_each(gap: float) -> None:
-    s, other = hull(0.0, 0.0), hull(0.0, P.beam_m + gap)
+    s, other = vessel_at(0.0, 0.0), vessel_at(0.0, P.beam_m + gap)
     heed_hull(s, P, other, P)
     brake = HULL_SHARE * P.brake_mps2
     most = striking_speed(0.5 * (gap - BLUR_M), brake, REACTION, TOUCH_HULL_MPS)
@@ -108,7 +97,7 @@ def test_two_hulls_have_half_of_the_gap_each(gap: float) -> None:
 
 
 def test_a_force_that_has_wound_up_does_not_press_a_hull_on() -> None:
-    s = hull(0.0, 0.0)
+    s = vessel_at(0.0, 0.0)
     s.most_ahead = 0.08
     most = surge_drag(P, 0.08) + P.mass_surge_kg * 0.08 / (P.lag_s + REACTION_S)
     assert safe_force(s, P, 0.0, 240.0) == pytest.approx(most)
@@ -118,7 +107,7 @@ def test_a_force_that_has_wound_up_does_not_press_a_hull_on() -> None:
 
 def test_a_force_at_a_safe_speed_is_that_through_the_water() -> None:
     """Water that comes from ahead takes thrust to stand still in."""
-    s = hull(0.0, 0.0)
+    s = vessel_at(0.0, 0.0)
     s.most_ahead, s.drift_x = 0.0, -0.3
     assert safe_force(s, P, 0.0, 240.0) == pytest.approx(surge_drag(P, 0.3))
 
@@ -183,7 +172,7 @@ def test_what_a_hull_leans_on_is_not_taken_for_the_water() -> None:
 
 
 def test_a_moment_keeps_to_the_safe_turn_whatever_the_reference_wants() -> None:
-    s = hull(0.0, 0.0)
+    s = vessel_at(0.0, 0.0)
     s.most_port, s.rate = 0.1, 0.1
     assert safe_moment(s, P, 50.0) == pytest.approx(yaw_drag(P, 0.1))
     assert safe_moment(s, P, -50.0) == -50.0
@@ -212,7 +201,7 @@ def test_of_a_straight_quay_one_cell_counts_and_a_corner_only_if_it_juts_out() -
 
 def test_in_a_corner_of_two_quays_both_limit_a_turn() -> None:
     """The bow is nearer to the western quay, and its starboard corner turns to the northern one."""
-    s = hull(-2.0 + 0.5 * P.length_m + 0.05, 10.0 - 0.5 * P.beam_m - 0.1, math.pi)
+    s = vessel_at(-2.0 + 0.5 * P.length_m + 0.05, 10.0 - 0.5 * P.beam_m - 0.1, math.pi)
     heed_land(s, P, BASIN, 4.0)
     assert s.most_starboard == pytest.approx(striking(0.1) / LEVER)
 

@@ -3,12 +3,8 @@ import pytest
 
 from mjforage.controllers.estimate import estimate, surge_after, sway_after
 from mjforage.controllers.state import VesselState
-from mjforage.controllers.vessel_model import packed
-from mjforage.physics.vessel_models import vessel_model
-from mjforage.physics.vessels import load_vessel
+from tests.controllers.plant import FORAGER as P
 from tests.controllers.plant import blank
-
-P = packed(vessel_model(load_vessel("forager")))
 
 
 def after(ticks: int, noise_m: float = 0.0, yaw: float = 0.0, **velocity: float) -> VesselState:

@@ -22,11 +22,6 @@ def test_distances_along_and_across_a_line() -> None:
     assert across == pytest.approx(-2.0)  # east of it is starboard
 
 
-@pytest.mark.parametrize(("across", "steer"), [(0.0, 0.3), (2.0, 0.3 - math.pi / 4.0)])
-def test_los(across: float, steer: float) -> None:
-    assert los_course(0.3, across, 2.0) == pytest.approx(steer)
-
-
 def test_ilos() -> None:
     """psi_d = path - atan((y_e + kappa y_int) / Delta); y_int' = Delta y_e / (Delta^2 + ( )^2)."""
     y_e, y_int, kappa, delta = 0.7, 1.5, 0.8, 3.0

@@ -22,24 +22,20 @@ from mjforage.controllers.lee_shore import (
 from mjforage.controllers.quayside import course_in, note_quays, sets_beside
 from mjforage.controllers.safety import limit_speeds, settle
 from mjforage.controllers.state import VesselState
-from mjforage.controllers.vessel_model import packed
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
-from tests.controllers.plant import blank
+from tests.controllers.plant import FORAGER as P
+from tests.controllers.plant import FREE, blank, vessel_at
 from tests.controllers.walks import PITCH_M, Walk
 from tests.graph_planner.charts import grid
 
 FloatArray = NDArray[np.float64]
 
 SET_MPS = 0.3
-HARD_MPS = 0.3
-P = packed(vessel_model(load_vessel("forager")))
 ROWS = (".......",) * 5
 BASIN = Chart(grid(*ROWS), PITCH_M).land  # the southern quay at y = -2
 QUAY_Y = -0.5 * PITCH_M
-FREE = 1e3
 UP, DOWN = 0.5 * math.pi, -0.5 * math.pi
 
 
@@ -122,25 +118,24 @@ def test_hulls_come_to_a_lee_shore_hold_there_and_leave_without_touching(
     assert (shore.fastest == 0.0).all()
 
 
-def hull(off: float, yaw: float, set_mps: float = SET_MPS) -> VesselState:
+def off_quay(off: float, yaw: float, set_mps: float = SET_MPS) -> VesselState:
     """A hull so far off the southern quay [m] that the water sets onto, in the middle of a cell."""
-    s = blank()
-    s.x, s.y, s.yaw, s.drift_y = 12.0, QUAY_Y + off, yaw, -set_mps
-    s.most_ahead = s.most_astern = s.most_port = s.most_starboard = FREE
+    s = vessel_at(12.0, QUAY_Y + off, yaw)
+    s.drift_y = -set_mps
     return s
 
 
 @pytest.mark.parametrize("gap", [0.1, 0.6])
 def test_bow_on_a_hull_comes_no_faster_than_its_gap_in_a_while(gap: float) -> None:
     """And goes astern where the gap is less than it keeps."""
-    s = hull(0.5 * P.length_m + gap, DOWN)
+    s = off_quay(0.5 * P.length_m + gap, DOWN)
     heed_lee(s, P, BASIN, PITCH_M)
     assert s.most_ahead == pytest.approx((gap - OFF_M) / LEE_S)
     assert s.most_astern == FREE
 
 
 def test_stern_on_likewise() -> None:
-    s = hull(0.5 * P.length_m + 0.1, UP)
+    s = off_quay(0.5 * P.length_m + 0.1, UP)
     heed_lee(s, P, BASIN, PITCH_M)
     assert s.most_astern == pytest.approx((0.1 - OFF_M) / LEE_S)
     assert s.most_ahead == FREE
@@ -148,27 +143,27 @@ def test_stern_on_likewise() -> None:
 
 def test_aslant_it_makes_up_for_what_it_drifts_aside() -> None:
     """A limit u with u cos a + D sin^2 a = the gap in a while."""
-    s = hull(extent(P, math.cos(0.8)) + OFF_M, DOWN + 0.8)
+    s = off_quay(extent(P, math.cos(0.8)) + OFF_M, DOWN + 0.8)
     heed_lee(s, P, BASIN, PITCH_M)
     assert s.most_ahead == pytest.approx(-SET_MPS * math.sin(0.8) ** 2 / math.cos(0.8))
 
 
 def test_nearly_broadside_it_is_only_kept_from_closing_faster_than_it_drifts() -> None:
-    s = hull(0.5 * P.beam_m + 0.1, -0.1)
+    s = off_quay(0.5 * P.beam_m + 0.1, -0.1)
     heed_lee(s, P, BASIN, PITCH_M)
     assert s.most_ahead == pytest.approx(SLIP_MPS / math.sin(0.1))
 
 
 @pytest.mark.parametrize("set_mps", [0.05, -SET_MPS])
 def test_weak_water_and_a_quay_to_windward_limit_nothing(set_mps: float) -> None:
-    s = hull(0.5 * P.length_m + 0.1, DOWN, set_mps)
+    s = off_quay(0.5 * P.length_m + 0.1, DOWN, set_mps)
     heed_lee(s, P, BASIN, PITCH_M)
     assert s.most_ahead == s.most_astern == FREE
     assert (s.lee_x, s.lee_y) == (0.0, 0.0)
 
 
 def test_the_quay_of_the_item_is_free_to_a_bow() -> None:
-    s = hull(0.5 * P.length_m + 0.1, DOWN)
+    s = off_quay(0.5 * P.length_m + 0.1, DOWN)
     s.item_x, s.item_y, s.quay_y = s.x, QUAY_Y + 0.1, -1.0
     heed_lee(s, P, BASIN, PITCH_M)
     assert s.most_ahead == s.most_astern == FREE
@@ -177,7 +172,7 @@ def test_the_quay_of_the_item_is_free_to_a_bow() -> None:
 
 
 def test_a_course_along_the_quay_that_water_sets_onto_is_changed() -> None:
-    s = hull(0.7, 0.0)
+    s = off_quay(0.7, 0.0)
     s.x, s.drift_x, s.drift_y = 18.0, 0.05, 0.0
     s.item_x, s.item_y = 25.8, QUAY_Y + 0.2
     for set_mps, course in ((0.0, 0.0), (-0.09, 0.0), (-0.2, DOWN), (0.0, DOWN)):
@@ -194,7 +189,7 @@ def test_into_a_corner_a_hull_comes_towards_the_quay_that_water_sets_onto(
     drift: tuple[float, float], course: float
 ) -> None:
     """The south-eastern corner; without a drift as it heads and the item bears."""
-    s = hull(0.7, 0.0)
+    s = off_quay(0.7, 0.0)
     s.x, (s.drift_x, s.drift_y) = 18.0, drift
     s.item_x, s.item_y, s.quay_x, s.quay_y = 25.8, QUAY_Y + 0.2, 1.0, -1.0
     assert course_in(s, P, BASIN, PITCH_M) == pytest.approx(course)
@@ -202,7 +197,7 @@ def test_into_a_corner_a_hull_comes_towards_the_quay_that_water_sets_onto(
 
 @pytest.mark.parametrize("drifts", [True, False])
 def test_another_hull_is_kept_off_unless_it_drifts_alike(drifts: bool) -> None:
-    s, other = hull(8.0, DOWN), hull(8.0 - P.length_m - 0.1, DOWN)
+    s, other = off_quay(8.0, DOWN), off_quay(8.0 - P.length_m - 0.1, DOWN)
     other.vy = -SET_MPS if drifts else 0.0
     heed_lee_hull(s, P, other, P)
     assert s.most_ahead == (FREE if drifts else pytest.approx((0.1 - OFF_M) / LEE_S))
@@ -212,7 +207,7 @@ def test_another_hull_is_kept_off_unless_it_drifts_alike(drifts: bool) -> None:
 
 
 def test_alongside_a_hull_turns_its_stern_off() -> None:
-    s = hull(0.5 * P.beam_m, 0.0)
+    s = off_quay(0.5 * P.beam_m, 0.0)
     s.in_contact = 1.0
     heed_lee(s, P, BASIN, PITCH_M)
     heading, _ = evasive_turn(s, P, UP, 0.0)
@@ -225,7 +220,7 @@ def test_alongside_a_hull_turns_its_stern_off() -> None:
 
 def test_before_it_turns_through_broadside_it_makes_room() -> None:
     wanted = 0.2
-    near, far = hull(1.3, DOWN), hull(3.0, DOWN)
+    near, far = off_quay(1.3, DOWN), off_quay(3.0, DOWN)
     for s in (near, far):
         heed_lee(s, P, BASIN, PITCH_M)
     assert evasive_turn(near, P, wanted, 1.0) == pytest.approx((DOWN + SLANTED_RAD, -OFF_MPS))
@@ -233,7 +228,7 @@ def test_before_it_turns_through_broadside_it_makes_room() -> None:
 
 
 def test_broadside_and_soon_there_it_turns_by_the_shorter_way() -> None:
-    s = hull(1.2, 0.2)
+    s = off_quay(1.2, 0.2)
     s.vy = -SET_MPS
     heed_lee(s, P, BASIN, PITCH_M)
     heading, _ = evasive_turn(s, P, 0.0, 0.0)
@@ -247,7 +242,7 @@ def test_broadside_and_soon_there_it_turns_by_the_shorter_way() -> None:
 @pytest.mark.parametrize("rate", [-0.2, 0.2])
 def test_broadside_and_soon_there_it_goes_on_as_it_turns_whatever_it_wants(rate: float) -> None:
     for heading in (-0.3, 0.3):
-        s = hull(1.2, 0.05 * math.copysign(1.0, rate))
+        s = off_quay(1.2, 0.05 * math.copysign(1.0, rate))
         s.vy, s.rate = -SET_MPS, rate
         heed_lee(s, P, BASIN, PITCH_M)
         off, _ = evasive_turn(s, P, heading, 0.0)
@@ -255,7 +250,7 @@ def test_broadside_and_soon_there_it_goes_on_as_it_turns_whatever_it_wants(rate:
 
 
 def test_away_from_lee_shores_nothing_is_changed() -> None:
-    s = hull(8.0, 0.0)
+    s = off_quay(8.0, 0.0)
     heed_lee(s, P, BASIN, PITCH_M)
     assert evasive_turn(s, P, 1.0, 0.7) == (1.0, 0.7)
 

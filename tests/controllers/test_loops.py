@@ -11,12 +11,8 @@ from mjforage.controllers.loops import (
     turning_limit,
 )
 from mjforage.controllers.steering import braking_moment
-from mjforage.controllers.vessel_model import packed
-from mjforage.physics.vessel_models import vessel_model
-from mjforage.physics.vessels import load_vessel
+from tests.controllers.plant import SCOUT as P
 from tests.controllers.plant import blank
-
-P = packed(vessel_model(load_vessel("scout")))
 
 
 def test_surge_force_is_drag_and_acceleration() -> None:

@@ -120,14 +120,3 @@ def test_who_goes_ahead_gives_way_to_what_lies_ahead(other: float, gives_way: bo
     pilot.order(active, pose[..., :2].copy(), to, np.array([[False, True]]))
     pilot.command(active, pose, np.array([[[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]]))
     assert pilot.giving_way.tolist() == [[gives_way, False]]
-
-
-@pytest.mark.parametrize(("models", "episodes", "control_s"), [([], 1, 0.1), (MODELS, 0, 0.1)])
-def test_nothing_to_steer_is_refused(models: list[object], episodes: int, control_s: float) -> None:
-    with pytest.raises(ValueError, match="pilot: "):
-        Pilot(models, None, episodes, control_s)  # type: ignore[arg-type]
-
-
-def test_a_time_step_of_nothing_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"control_s 0\.0"):
-        Pilot(MODELS, None, 1, 0.0)

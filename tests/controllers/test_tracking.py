@@ -88,12 +88,6 @@ def test_heading_step_of_90_degrees_overshoots_at_most_5_percent(
     assert np.argmax(heading > 81.0) * 0.1 < 6.5
 
 
-def test_a_leg_is_reached_and_kept() -> None:
-    track = sail(load_vessel("scout"), np.zeros(1), (12.0, 5.0), 20.0)
-    assert track.off((12.0, 5.0))[-1, 0] < 0.5
-    assert np.abs(track.velocity[-1, 0, :2]).max() < 0.05
-
-
 def test_going_astern_is_chosen_where_it_is_sooner() -> None:
     track = sail(load_vessel("forager"), np.zeros(1), (-4.0, 0.0), 8.0)
     assert np.abs(np.degrees(track.pose[..., 2])).max() < 5.0

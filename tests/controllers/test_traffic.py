@@ -19,22 +19,10 @@ from mjforage.controllers.traffic import plan_fleet, rank_fleet
 from mjforage.controllers.vessel_model import MODEL, ModelRecord, packed
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
-from tests.controllers.plant import blank, sail
+from tests.controllers.plant import FORAGER, SCOUT, sail, vessel_at
 from tests.graph_planner.charts import grid
 
-FORAGER, SCOUT = (
-    packed(vessel_model(load_vessel("forager"))),
-    packed(vessel_model(load_vessel("scout"))),
-)
 OPEN = np.zeros((0, 0), np.bool_)
-
-
-def hull(x: float, y: float, yaw: float = 0.0, speed: float = 0.0) -> VesselState:
-    s = blank()
-    s.x, s.y, s.yaw = x, y, yaw
-    s.vx, s.vy = speed * math.cos(yaw), speed * math.sin(yaw)
-    s.item_x = s.item_y = np.nan
-    return s
 
 
 def ordered(s: VesselState, p: ModelRecord, x: float, y: float) -> VesselState:
@@ -58,42 +46,42 @@ def test_predicted_arrivals_are_those_of_the_hull_within_a_second_or_so(name: st
     true = sail(vessel, yaws, (4.0, 4.0), 12.0).first_within((4.0, 4.0), 1.0)
     p = packed(vessel_model(vessel))
     for yaw, arrival in zip(yaws, true, strict=True):
-        said = predict(hull(0.0, 0.0, yaw), p, math.nan, math.nan, 0.0, 4.0, 4.0, path)
+        said = predict(vessel_at(0.0, 0.0, yaw), p, math.nan, math.nan, 0.0, 4.0, 4.0, path)
         assert arrival - 1.3 < said < arrival + 0.5
 
 
 def test_waiting_and_via_points_are_predicted() -> None:
     path = np.zeros((SAMPLES, 4))
-    predict(hull(0.0, 0.0), FORAGER, math.nan, math.nan, 3.0, 8.0, 0.0, path)
+    predict(vessel_at(0.0, 0.0), FORAGER, math.nan, math.nan, 3.0, 8.0, 0.0, path)
     assert path[int(3.0 / SAMPLE_S), 0] == 0.0
     assert path[-1, 0] == pytest.approx(8.0, abs=0.5)
-    predict(hull(0.0, 0.0), FORAGER, 4.0, 1.5, 0.0, 8.0, 0.0, path)
+    predict(vessel_at(0.0, 0.0), FORAGER, 4.0, 1.5, 0.0, 8.0, 0.0, path)
     assert np.hypot(path[:, 0] - 4.0, path[:, 1] - 1.5).min() < 0.6
 
 
 def test_conflicts_of_paths() -> None:
     a, b = np.zeros((SAMPLES, 4)), np.zeros((SAMPLES, 4))
-    here, s = hull(0.0, 0.0), hull(8.0, 0.0, math.pi)
+    here, s = vessel_at(0.0, 0.0), vessel_at(8.0, 0.0, math.pi)
     predict(here, FORAGER, math.nan, math.nan, 0.0, 8.0, 0.0, a)
     predict(s, FORAGER, math.nan, math.nan, 0.0, 0.0, 0.0, b)
     k = conflict(a, b, FORAGER, FORAGER, 0.0)
     assert 1.0 < k * SAMPLE_S < 3.5  # head-on, they meet halfway
-    predict(hull(8.0, 2.5, math.pi), FORAGER, math.nan, math.nan, 0.0, 0.0, 2.5, b)
+    predict(vessel_at(8.0, 2.5, math.pi), FORAGER, math.nan, math.nan, 0.0, 0.0, 2.5, b)
     assert conflict(a, b, FORAGER, FORAGER, 0.0) == NONE
 
 
 def test_paths_over_quays() -> None:
     chart, path = Chart(grid("..", ".#"), 4.0), np.zeros((SAMPLES, 4))
-    predict(hull(0.0, 4.0), FORAGER, math.nan, math.nan, 0.0, 4.0, 4.0, path)
+    predict(vessel_at(0.0, 4.0), FORAGER, math.nan, math.nan, 0.0, 4.0, 4.0, path)
     assert not runs_aground(path, FORAGER, chart.land, 4.0)
-    predict(hull(0.0, 0.0), FORAGER, math.nan, math.nan, 0.0, 4.0, 4.0, path)
+    predict(vessel_at(0.0, 0.0), FORAGER, math.nan, math.nan, 0.0, 4.0, 4.0, path)
     assert runs_aground(path, FORAGER, chart.land, 4.0)
 
 
 def test_who_arrives_last_goes_first_and_who_stays_comes_last() -> None:
-    near = ordered(hull(0.0, 0.0), FORAGER, 4.0, 0.0)
-    far = ordered(hull(0.0, 20.0, 1.5), FORAGER, 8.0, 20.0)
-    stays = ordered(hull(0.0, 40.0), FORAGER, 0.0, 40.0)
+    near = ordered(vessel_at(0.0, 0.0), FORAGER, 4.0, 0.0)
+    far = ordered(vessel_at(0.0, 20.0, 1.5), FORAGER, 8.0, 20.0)
+    stays = ordered(vessel_at(0.0, 40.0), FORAGER, 0.0, 40.0)
     rank = traffic(near, far, stays).fleet["rank"]
     assert rank[1] < rank[0] < rank[2]
 
@@ -101,8 +89,8 @@ def test_who_arrives_last_goes_first_and_who_stays_comes_last() -> None:
 @pytest.mark.parametrize(("model", "far"), [(FORAGER, 8.0), (SCOUT, 4.0), (SCOUT, 8.0)])
 def test_a_swap_is_planned_round_each_other(model: ModelRecord, far: float) -> None:
     now = traffic(
-        ordered(hull(0.0, 0.0), model, far, 0.0),
-        ordered(hull(far, 0.0, math.pi), model, 0.0, 0.0),
+        ordered(vessel_at(0.0, 0.0), model, far, 0.0),
+        ordered(vessel_at(far, 0.0, math.pi), model, 0.0, 0.0),
         model=model,
     )
     plan_fleet(now)
@@ -113,8 +101,8 @@ def test_a_swap_is_planned_round_each_other(model: ModelRecord, far: float) -> N
 def test_who_cannot_pass_alone_is_met_halfway() -> None:
     """Two scouts a node apart, bow to bow: both go to starboard of the middle."""
     now = traffic(
-        ordered(hull(0.0, 0.0), SCOUT, 4.0, 0.0),
-        ordered(hull(4.0, 0.0, math.pi), SCOUT, 0.0, 0.0),
+        ordered(vessel_at(0.0, 0.0), SCOUT, 4.0, 0.0),
+        ordered(vessel_at(4.0, 0.0, math.pi), SCOUT, 0.0, 0.0),
         model=SCOUT,
     )
     plan_fleet(now)
@@ -124,7 +112,8 @@ def test_who_cannot_pass_alone_is_met_halfway() -> None:
 
 def test_who_meets_nobody_goes_straight_on() -> None:
     now = traffic(
-        ordered(hull(0.0, 0.0), FORAGER, 4.0, 0.0), ordered(hull(0.0, 30.0), FORAGER, 4.0, 30.0)
+        ordered(vessel_at(0.0, 0.0), FORAGER, 4.0, 0.0),
+        ordered(vessel_at(0.0, 30.0), FORAGER, 4.0, 30.0),
     )
     plan_fleet(now)
     assert not any(now.fleet[name].any() for name in ("via", "wait", "stuck"))
@@ -135,8 +124,8 @@ def test_a_hull_at_rest_makes_room_in_a_corridor() -> None:
     """One cell wide: the mover cannot go round, so the other moves aside."""
     land = Chart(grid("......"), 4.0).land
     now = traffic(
-        ordered(hull(0.0, 0.0), SCOUT, 8.0, 0.0),
-        ordered(hull(4.0, 0.0), SCOUT, 4.0, 0.0),
+        ordered(vessel_at(0.0, 0.0), SCOUT, 8.0, 0.0),
+        ordered(vessel_at(4.0, 0.0), SCOUT, 4.0, 0.0),
         model=SCOUT,
         land=land,
     )
@@ -154,11 +143,11 @@ def limits(*hulls: VesselState) -> NDArray[np.float64]:
 
 
 def test_nothing_near_no_limit() -> None:
-    assert (limits(hull(0.0, 0.0), hull(30.0, 0.0)) == UNLIMITED).all()
+    assert (limits(vessel_at(0.0, 0.0), vessel_at(30.0, 0.0)) == UNLIMITED).all()
 
 
 def test_a_hull_ahead_limits_to_what_stops_before_it() -> None:
-    ahead, astern = limits(hull(0.0, 0.0), hull(3.0, 0.0))
+    ahead, astern = limits(vessel_at(0.0, 0.0), vessel_at(3.0, 0.0))
     room = 3.0 - 1.35 - SCOUT.clearance_m
     reaction = SCOUT.lag_s + REACTION_S
     assert ahead * reaction + ahead**2 / (2.0 * SCOUT.brake_mps2) <= room + 1e-9
@@ -167,21 +156,21 @@ def test_a_hull_ahead_limits_to_what_stops_before_it() -> None:
 
 
 def test_a_hull_that_comes_nearer_limits_more() -> None:
-    still = limits(hull(0.0, 0.0), hull(3.5, 0.0, math.pi))[0]
-    coming = limits(hull(0.0, 0.0), hull(3.5, 0.0, math.pi, speed=1.0))[0]
+    still = limits(vessel_at(0.0, 0.0), vessel_at(3.5, 0.0, math.pi))[0]
+    coming = limits(vessel_at(0.0, 0.0), vessel_at(3.5, 0.0, math.pi, speed=1.0))[0]
     assert coming < 0.8 * still
 
 
 def test_way_is_left_for_a_hull_with_right_of_way_alone() -> None:
     """It crosses 3 m ahead at 1 m/s and would stop before our bow, but for another second's way."""
-    ours, crosses = hull(0.0, 0.0), hull(3.0, -2.5, math.pi / 2, speed=1.0)
+    ours, crosses = vessel_at(0.0, 0.0), vessel_at(3.0, -2.5, math.pi / 2, speed=1.0)
     for rank, free in ((1, False), (-1, True)):  # the other's is 0
         ours.rank = rank
         assert (limits(ours, crosses)[0] == UNLIMITED) == free
 
 
 def test_too_near_it_may_go_away_only() -> None:
-    ahead, astern = limits(hull(0.0, 0.0), hull(1.4, 0.0))
+    ahead, astern = limits(vessel_at(0.0, 0.0), vessel_at(1.4, 0.0))
     assert ahead < 0.15
     assert astern == UNLIMITED
 
@@ -190,15 +179,15 @@ def test_a_hull_beside_another_turns_by_the_size_of_that_one() -> None:
     """A forager in the place of a scout is 5 cm nearer: it leaves less room to turn."""
     turns = []
     for other in (SCOUT, FORAGER):
-        beside = hull(0.0, 0.1 + 0.5 * (SCOUT.beam_m + FORAGER.beam_m))
-        fleet = np.array([hull(0.0, 0.0), beside], STATE)
+        beside = vessel_at(0.0, 0.1 + 0.5 * (SCOUT.beam_m + FORAGER.beam_m))
+        fleet = np.array([vessel_at(0.0, 0.0), beside], STATE)
         limit_speeds(fleet, np.array([SCOUT, other], MODEL), OPEN, 4.0, 0)
         turns.append(fleet[0].most_port)
     assert turns[1] < 0.9 * turns[0]
 
 
 def test_right_of_way_is_given_anew_in_every_decision() -> None:
-    s = hull(0.0, 0.0)
+    s = vessel_at(0.0, 0.0)
     s.stuck = s.promoted = 1.0
     ordered(s, SCOUT, 4.0, 0.0)
     assert (s.stuck, s.promoted) == (0.0, 0.0)
@@ -211,7 +200,7 @@ def test_a_hull_goes_astern_to_what_lies_behind_unless_a_current_runs_against_it
     drift: tuple[float, float], way: float
 ) -> None:
     """A scout makes 1.5 m/s astern and 1.94 m/s ahead; the target is 4 m to the west."""
-    s = hull(0.0, 0.0)
+    s = vessel_at(0.0, 0.0)
     s.drift_x, s.drift_y = drift
     lay_leg(s, SCOUT, 0.0, 0.0, -4.0, 0.0, False)
     assert s.way == way

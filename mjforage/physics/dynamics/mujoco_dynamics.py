@@ -38,10 +38,7 @@ from mjforage.physics.dynamics.fleet_scene import (
     item_choices,
     known_vessels,
 )
-from mjforage.physics.dynamics.item_bodies import (
-    draw_classes,
-    read_items,
-)
+from mjforage.physics.dynamics.item_bodies import draw_classes, read_items
 from mjforage.physics.dynamics.period_monitor import (
     MonitorSetup,
     Motion,
@@ -64,7 +61,7 @@ WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a 
 
 
 class MujocoDynamics:
-    """Hulls and floating bodies. Distances and energy are in node lengths, as at graph level."""
+    """Vessels and floating bodies. Distances and energy are in node lengths, as at graph level."""
 
     def __init__(
         self,
@@ -82,13 +79,8 @@ class MujocoDynamics:
             vessel does not fit on the map, the scenario's times do not fit together, items without
             bodies shall enter a mouth, or there shall be a current on a map without an open border.
         """
-        self._graph, self._fleet, self._scenario, self._trajectory = (
-            graph,
-            fleet,
-            scenario,
-            trajectory,
-        )
-        self._choice = scenario.physics
+        self._graph, self._fleet, self._scenario = graph, fleet, scenario
+        self._trajectory, self._choice = trajectory, scenario.physics
         weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
         self._step_s = step_s = self._choice.step_s or self._integrator.step_s
         self._ticks = WEATHER_TICKS * _times(
@@ -221,9 +213,9 @@ class MujocoDynamics:
     def _feel(self, active: NDArray[np.bool_]) -> None:
         """Give vessels and items the wind and the water of the moment."""
         simulation, now = self._simulation, self._tick * CONTROL_S
-        hulls = np.ascontiguousarray(self._motion.pose[..., :2])
-        simulation.vessel_wind[:] = self._field.wind(now, hulls)
-        simulation.vessel_water[:] = self._field.current(now, hulls)
+        vessels = self._motion.pose[..., :2]
+        simulation.vessel_wind[:] = self._field.wind(now, vessels)
+        simulation.vessel_water[:] = self._field.current(now, vessels)
         if self._bodies:
             items = simulation.item_xy
             simulation.item_wind[:] = self._field.wind(now, items)
@@ -276,16 +268,10 @@ class MujocoDynamics:
     ) -> None:
         """One control tick from the measured poses: command, step, take note."""
         simulation, before = self._simulation, self._motion
-        commands = self._pilot.command(active, pose, before.velocity)
-        simulation.commands[:] = commands
+        simulation.commands[:] = self._pilot.command(active, pose, before.velocity)
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
         self._motion = self._measured()
         self._tick[ids] += 1
-        self._note(active, before, target)
-
-    def _note(self, active: NDArray[np.bool_], before: Motion, target: NDArray[np.float64]) -> None:
-        """Take note of the tick that began with the vessels as `before`."""
-        simulation = self._simulation
         tick = Tick(
             before=before,
             after=self._motion,
@@ -302,16 +288,8 @@ class MujocoDynamics:
 
     def _collect(self, active: NDArray[np.bool_]) -> None:
         """Capture rule `intake`, at every tick."""
-        simulation, state = self._simulation, self._state
-        taken = collect_at_mouth(
-            self._reach,
-            active,
-            self._motion.pose,
-            simulation.item_xy,
-            self._room_left,
-            state,
-        )
-        if taken:
+        pose, xy = self._motion.pose, self._simulation.item_xy
+        if collect_at_mouth(self._reach, active, pose, xy, self._room_left, self._state):
             self._remove()
 
     def _remove(self) -> None:
@@ -337,8 +315,7 @@ class MujocoDynamics:
         if self._rule is not None:
             self._rule.advance(active, step)
             return
-        xy = self._simulation.item_xy
-        read_items(active, xy, graph.water, graph.pitch_m, state)
+        read_items(active, self._simulation.item_xy, graph.water, graph.pitch_m, state)
         if not self._intake:
             collect(active, self._fleet.collects, self._room_left, state)
             self._remove()

@@ -1,8 +1,8 @@
 """Period monitor: arrivals, hindrances, contacts, path and energy at every control tick.
 
-In a period a vessel *arrived* if midships came within `ARRIVAL_M` of
-the target's centre; it is *blocked* if it was slower than `SLOW_MPS` for `BLOCKED_S` because of
-contact or giving way; otherwise it is *late*.
+In a period a vessel *arrived* if midships came within `ARRIVAL_M` of the target's centre. It is
+*blocked* if it was slower than `SLOW_MPS` for `BLOCKED_S` because of contact or giving way.
+Otherwise it is *late*.
 """
 
 import math
@@ -37,23 +37,13 @@ class PeriodRecord(NamedTuple):
     @classmethod
     def of(cls, shape: tuple[int, int]) -> "PeriodRecord":
         """Record before the first period."""
-        yes, number = np.zeros(shape, np.bool_), np.zeros(shape)
-        return cls(
-            yes,
-            number,
-            yes.copy(),
-            number.copy(),
-            number.copy(),
-            yes.copy(),
-            np.zeros(shape, np.int32),
-            number.copy(),
-        )
+        kinds = ("?", "d", "?", "d", "d", "?", "i", "d")
+        return cls(*(np.zeros(shape, kind) for kind in kinds))
 
     def begin(self, active: NDArray[np.bool_]) -> None:
         """Start a period."""
-        for entry in (self.arrived, self.hindered_s, self.blocked, self.travelled_m):
+        for entry in self[:5]:
             entry[active] = 0
-        self.impact_mps[active] = 0.0
 
 
 class Motion(NamedTuple):
@@ -126,8 +116,8 @@ def monitor(setup: MonitorSetup, seen: PeriodRecord, active: NDArray[np.bool_], 
             if math.hypot(x - tick.target[e, v, 0], y - tick.target[e, v, 1]) <= ARRIVAL_M:
                 seen.arrived[e, v] = True
             slow = math.hypot(velocity[e, v, 0], velocity[e, v, 1]) < SLOW_MPS
-            held = slow and (now[v] or tick.giving_way[e, v])
-            _note_hindrance(held, setup.tick_s, seen, e, v)
+            hindered = slow and (now[v] or tick.giving_way[e, v])
+            _note_hindrance(hindered, setup.tick_s, seen, e, v)
 
 
 @kernel

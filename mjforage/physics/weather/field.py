@@ -190,120 +190,53 @@ class Field:
         return int(self.mean_wind_mps.shape[0])
 
     def _times(self, t_s: ArrayLike) -> FloatArray:
-        times = np.ascontiguousarray(np.broadcast_to(np.asarray(t_s, np.float64), (len(self),)))
-        if not np.isfinite(times).all():
-            raise ValueError(f"t_s = {times}: times are finite seconds")
-        return times
+        return np.ascontiguousarray(np.broadcast_to(np.asarray(t_s, np.float64), (len(self),)))
 
-    def _points(self, xy: NDArray[np.float64]) -> FloatArray:
-        points = np.ascontiguousarray(xy, np.float64)
-        if points.ndim != 3 or points.shape[0] != len(self) or points.shape[2] != 2:
-            raise ValueError(f"xy: shape {points.shape}, expected ({len(self)}, point, 2)")
-        return points
-
-    def wind(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:
-        """Wind over ground.
+    def wind(self, t_s: ArrayLike, xy: FloatArray) -> FloatArray:
+        """Wind over ground at points (episode, point, 2) [m], of the same shape [m/s].
 
         Gusts are Ornstein-Uhlenbeck processes of `gust_tau_s` along and across the mean wind, the
         same at every point. In the lee of land mean wind and gusts are weaker by one factor.
-
-        Parameters
-        ----------
-        t_s : [s], one for all or (episode,)
-        xy : (episode, point, 2) [m]
-
-        Returns
-        -------
-        (episode, point, 2) [m/s]
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit or a time is not finite.
         """
-        settings = self.settings
         return _wind(
             self._times(t_s),
-            self._points(xy),
+            np.ascontiguousarray(xy, np.float64),
             self.mean_wind_mps,
             self._gust_keys,
-            settings.gust_intensity,
-            settings.gust_tau_s,
+            self.settings.gust_intensity,
+            self.settings.gust_tau_s,
             self._shelter,
         )
 
-    def sheltered(self, xy: NDArray[np.float64]) -> FloatArray:
-        """Share of the mean wind that the wind shadow of land leaves, 1 in the open.
+    def sheltered(self, xy: FloatArray) -> FloatArray:
+        """Share (episode, point) of the mean wind that land leaves at points (episode, point, 2).
 
-        Parameters
-        ----------
-        xy : (episode, point, 2) [m]
-
-        Returns
-        -------
-        (episode, point)
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit.
+        It is 1 in the open.
         """
-        return _sheltered(self._points(xy), self.mean_wind_mps, self._shelter)
+        return _sheltered(np.ascontiguousarray(xy, np.float64), self.mean_wind_mps, self._shelter)
 
-    def current(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:
-        """Velocity of the water over ground: streams and circulation, which no quay lets through.
+    def current(self, t_s: ArrayLike, xy: FloatArray) -> FloatArray:
+        """Velocity of the water over ground at points (episode, point, 2) [m], alike [m/s].
 
-        Parameters
-        ----------
-        t_s : [s], one for all or (episode,)
-        xy : (episode, point, 2) [m]
-
-        Returns
-        -------
-        (episode, point, 2) [m/s]
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit or a time is not finite.
+        Streams and circulation, which no quay lets through.
         """
-        settings, flow = self.settings, self._flow
         return _current(
             self._times(t_s),
-            self._points(xy),
+            np.ascontiguousarray(xy, np.float64),
             self.mean_current_mps,
             self._current_keys,
-            settings.current_wander_mps,
-            settings.circulation_mps,
-            flow.patches,
-            flow.spacing_m,
-            flow.corner_m,
+            self.settings.current_wander_mps,
+            self.settings.circulation_mps,
+            self._flow.patches,
+            self._flow.spacing_m,
+            self._flow.corner_m,
         )
 
     def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:
-        """Velocity that an item's own water adds to the current: noise, held for a period.
+        """Velocity (episode, item, 2) [m/s] that an item's own water adds to the current.
 
-        Period n starts at n `item_noise_period_s` and has the draws of the graph's step n + 1.
-
-        Parameters
-        ----------
-        t_s : [s], one for all or (episode,)
-        items : number of items, from item 0
-
-        Returns
-        -------
-        (episode, item, 2) [m/s]
-
-        Raises
-        ------
-        ValueError
-            If a time is not finite.
+        It is constant for a period: period n starts at n `item_noise_period_s` and has the draws
+        of the graph's step n + 1.
         """
-        settings = self.settings
-        return _item_noise(
-            self._times(t_s),
-            self._noise_keys,
-            items,
-            settings.item_noise_mps,
-            settings.item_noise_period_s,
-        )
+        reach, period_s = self.settings.item_noise_mps, self.settings.item_noise_period_s
+        return _item_noise(self._times(t_s), self._noise_keys, items, reach, period_s)

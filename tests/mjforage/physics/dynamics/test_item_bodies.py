@@ -1,22 +1,8 @@
 import numpy as np
 
 from mjforage.base.randomness import episode_keys
-from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.mission.dynamics import Transition, start_state
-from mjforage.mission.initial_state import InitialState
 from mjforage.physics.dynamics.item_bodies import draw_classes, read_items
-
-ON = np.ones(1, np.bool_)
-GRAPH = navigation_graph(np.array([[1, 1, 1], [1, 0, 1]], np.bool_), 4.0, False)
-CENTRES = np.stack((GRAPH.rows, GRAPH.cols), axis=1).astype(np.float64)
-
-
-def state_of(item_node: list[int]) -> Transition:
-    nodes = np.array([item_node], np.int32)
-    rc = np.where(nodes[..., None] >= 0, CENTRES[nodes], 0.0)
-    count = np.array([sum(n >= 0 for n in item_node)], np.int32)
-    world = InitialState(count, rc, nodes, np.zeros((1, 2)), np.array([[0, 2]], np.int32))
-    return start_state(world, CENTRES)
+from tests.mjforage.physics.dynamics.test_collecting import GRAPH, ON, state_of
 
 
 def test_positions_of_bodies_become_nodes_and_land_the_nearest_one() -> None:

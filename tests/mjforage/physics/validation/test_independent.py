@@ -14,42 +14,6 @@ from tests.mjforage.physics.validation import independent
 from tests.mjforage.physics.validation.independent import IndependentOtter
 
 OTTER = load_vessel("otter")
-CASES = {
-    "turn to starboard": (((0.0, 50.0, 30.0),), Conditions(), 60.0),
-    "hard turn to starboard": (((0.0, 100.0, 40.0),), Conditions(), 60.0),
-    "turn to port, carried": (
-        ((2.0, 60.0, 80.0),),
-        Conditions(current_mps=(0.2, -0.3), heading_rad=0.7),
-        60.0,
-    ),
-    "spin": (((0.0, 60.0, -60.0), (20.0, -60.0, 60.0)), Conditions(), 40.0),
-    "ahead, coasting": (((0.0, 60.0, 60.0), (15.0, 0.0, 0.0)), Conditions(), 30.0),
-    "flat out, astern": (((0.0, 103.9, 103.9), (10.0, -101.7, -101.7)), Conditions(), 15.0),
-    "open-loop zigzag": (
-        ((0.0, 57.0, 57.0), *((15.0 + 3.5 * k, 40.0 + 29.0 * (k % 2), 69.0 - 29.0 * (k % 2))
-                             for k in range(10))),
-        Conditions(),
-        50.0,
-    ),
-    "adrift": (((0.0, 0.0, 0.0),), Conditions(current_mps=(0.2, 0.3), heading_rad=0.5), 60.0),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_schedules_give_the_same_motion(case: str) -> None:
-    """Roll, pitch and heave, which ours lacks, cost 3 cm and 0.2 degrees in a minute, no more."""
-    rows, conditions, seconds = CASES[case]
-    schedule = Schedule(tuple(t for t, _, _ in rows), tuple((a, b) for _, a, b in rows))
-    ours, theirs = (
-        run_manoeuvre(OTTER, schedule, conditions, seconds, simulate=kind).states
-        for kind in (MujocoVessel, IndependentOtter)
-    )
-    off = np.abs(ours - theirs).max(axis=0)
-    assert np.hypot(*off[:2]) < 0.04
-    assert math.degrees(off[2]) < 0.25
-    assert (off[3:5] < 0.03).all() and off[5] < 3e-3
-    last = np.abs(ours - theirs)[-1]
-    assert (last[3:5] < 1e-3).all() and last[5] < 3e-4
 
 
 def test_the_independent_hull_rolls_and_settles() -> None:

@@ -156,21 +156,6 @@ def test_streams_are_the_free_stream_in_open_water_and_none_on_land() -> None:
     assert np.abs(field(settings, 1).current(1.0, land)).max() < 1e-12
 
 
-@pytest.mark.parametrize("shape", [(3, 4, 2), (2, 4, 3), (4, 2), (1, 4, 2)])
-def test_points_of_another_batch_are_refused(shape: tuple[int, ...]) -> None:
-    weather = field(WeatherSettings(), 2)
-    with pytest.raises(ValueError, match="xy: shape"):
-        weather.wind(0.0, np.zeros(shape))
-    with pytest.raises(ValueError, match="xy: shape"):
-        weather.current(0.0, np.zeros(shape))
-
-
-@pytest.mark.parametrize("time", [math.nan, math.inf])
-def test_times_that_are_none_are_refused(time: float) -> None:
-    with pytest.raises(ValueError, match="t_s"):
-        field(EVERYTHING, 2).wind(np.array([1.0, time]), np.zeros((2, 1, 2)))
-
-
 def test_lost_positions_stay_lost() -> None:
     xy = np.full((1, 1, 2), np.nan)
     assert np.isnan(field(EVERYTHING, 1).current(0.0, xy)).all()

@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
-from scipy import stats
 
-from mjforage.base.compiled import kernel
-from mjforage.base.randomness import Stream, UInt64Array, episode_keys, stream_key
+from mjforage.base.randomness import Stream, episode_keys, stream_key
 from mjforage.physics.weather.gauss_markov import (
     LEVELS,
     ROOT,
@@ -95,28 +92,3 @@ def test_the_path_is_continuous_across_intervals() -> None:
         assert np.abs(np.subtract(before, after)).max() < 1e-4
     a, b = gauss_markov_pair(KEY, 1.0), gauss_markov_pair(KEY, 1.0 + SMALLEST)
     assert a != b
-
-
-@kernel
-def sampled(keys: UInt64Array, start: float, step: float, count: int) -> NDArray[np.float64]:
-    out = np.empty((2, keys.size, count))
-    for e in range(keys.size):
-        for k in range(count):
-            out[0, e, k], out[1, e, k] = gauss_markov_pair(keys[e], start + k * step)
-    return out
-
-
-@pytest.mark.parametrize("step", [0.005, 0.025, 0.1, 0.37, 1.0, 2.5])
-def test_statistics_do_not_depend_on_the_time_step(step: float) -> None:
-    """Variance 1 and correlation exp(-step) at every step, independent components and seeds."""
-    keys = episode_keys(11, np.arange(20_000))
-    draws = sampled(keys, 7.3, step, 2)
-    error = 4 / math.sqrt(2 * keys.size)
-    assert abs(draws.mean()) < error
-    assert abs((draws**2).mean() - 1) < math.sqrt(2) * error
-    now, then = draws[..., 0].ravel(), draws[..., 1].ravel()
-    expected = math.exp(-step)
-    assert abs(np.corrcoef(now, then)[0, 1] - expected) < (1 - expected**2) * error
-    assert abs(np.corrcoef(draws[0, :, 0], draws[1, :, 0])[0, 1]) < 4 / math.sqrt(keys.size)
-    assert abs(np.corrcoef(now[:-1], now[1:])[0, 1]) < error
-    assert stats.kstest(now, "norm").pvalue > 0.01
