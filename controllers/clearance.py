@@ -122,7 +122,7 @@ def picks_at_quay(s: VesselState, p: ModelRecord) -> bool:
 
 
 @kernel
-def kept_clearance(s: VesselState, p: ModelRecord, other: int) -> float:
+def least_clearance(s: VesselState, p: ModelRecord, other: int) -> float:
     """Clearance to keep from another or from quays [m]: less where an item lies at one, near by."""
     if other != QUAYS or not picks_at_quay(s, p):
         return p.clearance_m
@@ -147,7 +147,7 @@ def free_distance(
 
     Where the gap is less than that already (`first` is the gap now), it may not shrink further.
     """
-    least = min(kept_clearance(state[i], models[i], other), first - SLACK_M)
+    least = min(least_clearance(state[i], models[i], other), first - SLACK_M)
     gone, gap = 0.0, first
     while gone < reach:
         step = max(gap - least, STEP_M)

@@ -11,7 +11,7 @@ from mjforage.controllers.vessel_model import FloatArray, ModelArray, ModelRecor
 
 GROWTH_MPS = 0.04  # of the margin with time, for what is not foreseen
 MOST_GROWTH_M = 0.2  # at most
-BESIDE_M = 0.1  # margin over the hulls' clearance
+BESIDE_M = 0.1  # margin over the vessels' clearance
 NEAR_M = 1.0  # vessels whose ways come nearer than this are looked at
 NONE = -1  # no vessel, no sample
 
@@ -71,7 +71,7 @@ def conflict(
             continue
         gap = box_gap(dx, dy, a[k, 2], a[k, 3], long_a, wide_a, b[k, 2], b[k, 3], long_b, wide_b)
         if k == 0:
-            most = min(clear, gap - 0.02)  # who is too near already must not come nearer
+            most = min(clear, gap - 0.02)  # one that is too near already must not come nearer
             continue
         growth = min(GROWTH_MPS * k * SAMPLE_S, MOST_GROWTH_M) if most == clear else 0.0
         if gap < most + growth:

@@ -16,9 +16,9 @@ from mjforage.controllers.state import VesselState
 from mjforage.controllers.vessel_model import ModelRecord
 
 NEAR_M = 0.6  # a gap within which any turn can be braked
-TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another vessel may have as much
+TOUCH_QUAY_MPS, TOUCH_VESSEL_MPS = 0.18, 0.1  # of a touch; another vessel may have as much
 QUAY_SHARE = 0.8  # of the brake that is counted on, for turning takes thrust too
-HULL_SHARE = 0.6  # of the same before other vessels, which move
+VESSEL_SHARE = 0.6  # of the same before other vessels, which move
 INSET_M = 0.05  # of the points, so that one that touches is not yet inside
 BLUR_M = 0.02  # by which a gap may be smaller than it is measured
 LEANING_M = 0.05  # a gap below which a vessel leans on what is there
@@ -71,7 +71,7 @@ def heed(
     if quay:
         most = striking_speed(gap, QUAY_SHARE * p.brake_mps2, reaction, TOUCH_QUAY_MPS)
     else:
-        most = striking_speed(0.5 * gap, HULL_SHARE * p.brake_mps2, reaction, TOUCH_HULL_MPS)
+        most = striking_speed(0.5 * gap, VESSEL_SHARE * p.brake_mps2, reaction, TOUCH_VESSEL_MPS)
     going = max(aside + ahead * (c * s.vx + t * s.vy), 0.0)
     rate = max(most - going, 0.0) / max(abs(turning), 1e-3)
     if turning > 0.0:
@@ -139,7 +139,7 @@ def heed_land(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> 
 
 
 @kernel
-def heed_hull(s: VesselState, p: ModelRecord, other: VesselState, model: ModelRecord) -> None:
+def heed_vessel(s: VesselState, p: ModelRecord, other: VesselState, model: ModelRecord) -> None:
     """Limit a vessel for the sake of another: the corners of both."""
     c, t, co, to = math.cos(s.yaw), math.sin(s.yaw), math.cos(other.yaw), math.sin(other.yaw)
     long, wide = p.length_m - 2.0 * INSET_M, p.beam_m - 2.0 * INSET_M

@@ -107,7 +107,7 @@ def heed_lee(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> N
 
 
 @kernel
-def heed_lee_hull(s: VesselState, p: ModelRecord, other: VesselState, model: ModelRecord) -> None:
+def heed_lee_vessel(s: VesselState, p: ModelRecord, other: VesselState, model: ModelRecord) -> None:
     """Limit a vessel for the sake of another that its drift carries it to."""
     if s.drift_x**2 + s.drift_y**2 < LEAST_DRIFT_MPS**2:
         return

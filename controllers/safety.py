@@ -12,19 +12,19 @@ from mjforage.controllers.clearance import (
     clear_path,
     clearance_to,
     free_distance,
-    kept_clearance,
+    least_clearance,
     turn_to_come,
 )
-from mjforage.controllers.contact import HULL_SHARE, NEAR_M, heed_hull, heed_land
+from mjforage.controllers.contact import NEAR_M, VESSEL_SHARE, heed_land, heed_vessel
 from mjforage.controllers.guidance import stopping_distance, stopping_speed
-from mjforage.controllers.lee_shore import UNLIMITED, heed_lee, heed_lee_hull, windward_room
+from mjforage.controllers.lee_shore import UNLIMITED, heed_lee, heed_lee_vessel, windward_room
 from mjforage.controllers.legs import REACTION_S
 from mjforage.controllers.state import HOLD, FleetArray, VesselState
 from mjforage.controllers.vessel_model import ModelArray
 
 AHEAD, TURNED = 0.0, 1.0  # vessels as they head now, and as they will when they turn no more
 LEAST_TURN_RAD = 0.05  # a turn that is looked at
-PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a vessel nearer than the clearance, a quay half
+PAST_QUAY_MPS, PAST_VESSEL_MPS = 0.25, 0.15  # along a vessel nearer than the clearance, a quay half
 LONGEST_PATH_M = 5.0  # of another, to stop
 
 
@@ -45,17 +45,17 @@ def limit_by(
     if gap >= reach:
         return gap
     reaction = p.lag_s + REACTION_S
-    brake = p.brake_mps2 if other == QUAYS else HULL_SHARE * p.brake_mps2
+    brake = p.brake_mps2 if other == QUAYS else VESSEL_SHARE * p.brake_mps2
     for side in (1.0, -1.0):
         free = free_distance(state, models, land, pitch, i, other, way, side, turned, gap, reach)
         if free >= reach:
-            if gap > (0.5 if other == QUAYS else 1.0) * kept_clearance(s, p, other):
+            if gap > (0.5 if other == QUAYS else 1.0) * least_clearance(s, p, other):
                 continue
             # So near, going along is safe only slowly; going away is free.
             away = clearance_to(
                 state, models, land, pitch, i, other, way, side * STEP_M, turned, reach
             )
-            past = PAST_QUAY_MPS if other == QUAYS else PAST_HULL_MPS
+            past = PAST_QUAY_MPS if other == QUAYS else PAST_VESSEL_MPS
             most = UNLIMITED if away > gap + SLACK_M else past
         else:
             most = stopping_speed(share * free, brake, reaction)
@@ -113,6 +113,6 @@ def limit_speeds(
         if j == i or max(dx, dy) > far + 0.5 * models[j].length_m:
             continue
         if limit_going(state, models, land, pitch, i, j, reach) < NEAR_M:
-            heed_hull(s, p, state[j], models[j])
-        heed_lee_hull(s, p, state[j], models[j])
+            heed_vessel(s, p, state[j], models[j])
+        heed_lee_vessel(s, p, state[j], models[j])
     settle(s)

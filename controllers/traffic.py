@@ -155,7 +155,7 @@ def plan_mover(traffic: Traffic, v: int) -> bool:
         try_plan(traffic, v, straight)
         first, other = first_conflict(traffic, v, False, -KEEP_M)
         if first == NONE:
-            cost, plan = direct, straight  # whoever rests there makes room
+            cost, plan = direct, straight  # the vessel that rests there makes room
         elif cost > BAD_S:
             if s.promoted == 0.0:
                 s.rank, fleet[other].rank = fleet[other].rank, s.rank
@@ -244,7 +244,9 @@ def plan_fleet(traffic: Traffic) -> None:
         if is_alone(traffic, v):
             go_alone(fleet[v], models[v])
         elif fleet[v].mode == HOLD or fleet[v].stuck != 0.0:
-            try_plan(traffic, v, plan_of(fleet[v]))  # others look at these before they are planned
+            try_plan(
+                traffic, v, plan_of(fleet[v])
+            )  # others are checked against these before they plan
             keep_path(traffic, v)
     for _ in range(n + 1):
         if not some or not plan_in_order(traffic):

@@ -1,4 +1,4 @@
-"""Hulls on open water under the pilot, one per episode, all with the same order."""
+"""Vessels on open water under the pilot, one per episode, all with the same order."""
 
 from dataclasses import dataclass
 
@@ -59,7 +59,7 @@ def cross_current() -> WeatherSettings:
 
 @dataclass(frozen=True)
 class Track:
-    """Motion of hulls: poses (tick, episode, 3) and velocities over ground, world axes."""
+    """Motion of vessels: poses (tick, episode, 3) and velocities over ground, world axes."""
 
     pose: FloatArray
     velocity: FloatArray

@@ -11,7 +11,7 @@ CHART = Chart(grid("....", "..#.", "...."), 4.0)  # land around (8, 4)
 
 
 def gap(x: float, y: float, yaw: float = 0.0, reach: float = 3.0) -> float:
-    """Gap of a hull of 2 x 1 m."""
+    """Gap of a vessel of 2 x 1 m."""
     c, s = math.cos(yaw), math.sin(yaw)
     return quay_gap(CHART.land, CHART.pitch_m, x, y, c, s, 1.0, 0.5, reach)
 

@@ -100,7 +100,7 @@ def test_an_item_in_the_next_node_is_taken_on_the_way() -> None:
 def ready(
     items: NDArray[np.float64], yaws: NDArray[np.float64], *seconds: float
 ) -> NDArray[np.float64]:
-    """Poses (hull, 3) of hulls that keep to the basin's middle and expect an item (hull, 1, 2).
+    """Poses (vessel, 3) of vessels that keep to the basin's middle and expect items (vessel, 1, 2).
 
     They are told to stay once for each of the times [s].
     """
@@ -119,7 +119,7 @@ def ready(
 
 
 @pytest.mark.parametrize("seconds", [(16.0,), (16.0, 4.0)])
-def test_a_hull_with_nothing_to_do_waits_at_the_rim_of_its_node_facing_the_next_item(
+def test_a_vessel_with_nothing_to_do_waits_at_the_rim_of_its_node_facing_the_next_item(
     seconds: tuple[float, ...],
 ) -> None:
     """Also if it is told again to stay: it does not go back to the middle first."""
@@ -133,7 +133,7 @@ def test_a_hull_with_nothing_to_do_waits_at_the_rim_of_its_node_facing_the_next_
     assert off_place.min() > 1.0 and off_place.max() < 1.5
 
 
-def test_in_a_drift_a_hull_keeps_its_place_and_does_not_turn_to_the_next_item() -> None:
+def test_in_a_drift_a_vessel_keeps_its_place_and_does_not_turn_to_the_next_item() -> None:
     """It has no thrust aside: facing the item it would be carried out of its node."""
     for name, value, ready in (
         ("drift_y", 0.09, True),

@@ -1,4 +1,4 @@
-"""Speeds at which a hull may turn and go beside quays and other hulls, against closed forms."""
+"""Speeds at which a vessel may turn and go beside quays and other vessels, against closed forms."""
 
 import math
 
@@ -8,14 +8,14 @@ from mjforage.controllers import Chart
 from mjforage.controllers.chart import LandArray, headland, is_nearer, way_to_cell
 from mjforage.controllers.contact import (
     BLUR_M,
-    HULL_SHARE,
     INSET_M,
     NEAR_M,
     QUAY_SHARE,
-    TOUCH_HULL_MPS,
     TOUCH_QUAY_MPS,
-    heed_hull,
+    TOUCH_VESSEL_MPS,
+    VESSEL_SHARE,
     heed_land,
+    heed_vessel,
 )
 from mjforage.controllers.estimate import learn_drift
 from mjforage.controllers.guidance import striking_speed
@@ -28,7 +28,7 @@ from tests.controllers.plant import FREE, vessel_at
 from tests.graph_planner.charts import grid
 
 REACTION = P.lag_s + 2.0 * REACTION_S
-LEVER = 0.5 * P.length_m - INSET_M  # of the corners of a hull along a quay
+LEVER = 0.5 * P.length_m - INSET_M  # of the corners of a vessel along a quay
 BASIN = Chart(grid(".....", ".....", "....."), 4.0).land  # quays at y = -2 and 10
 
 
@@ -72,11 +72,11 @@ def test_turning_uses_up_what_going_may_have() -> None:
 def test_far_from_everything_nothing_is_limited() -> None:
     s = beside(NEAR_M + 0.01)
     heed_land(s, P, BASIN, 4.0)
-    heed_hull(s, P, vessel_at(8.0, 4.0), P)
+    heed_vessel(s, P, vessel_at(8.0, 4.0), P)
     assert s.most_port == s.most_starboard == s.most_ahead == FREE
 
 
-def test_a_quay_that_juts_out_limits_a_hull_passing_it() -> None:
+def test_a_quay_that_juts_out_limits_a_vessel_passing_it() -> None:
     """Its corner lies to starboard, 0.5 m before midships: a turn to starboard brings it nearer."""
     land = Chart(grid("...", "...", "#.."), 4.0).land  # a corner at (2, 2)
     off, half = 0.5 * P.beam_m + 0.1, math.sqrt(0.5)
@@ -87,16 +87,16 @@ def test_a_quay_that_juts_out_limits_a_hull_passing_it() -> None:
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.2])
-def test_two_hulls_have_half_of_the_gap_each(gap: float) -> None:
+def test_two_vessels_have_half_of_the_gap_each(gap: float) -> None:
     s, other = vessel_at(0.0, 0.0), vessel_at(0.0, P.beam_m + gap)
-    heed_hull(s, P, other, P)
-    brake = HULL_SHARE * P.brake_mps2
-    most = striking_speed(0.5 * (gap - BLUR_M), brake, REACTION, TOUCH_HULL_MPS)
+    heed_vessel(s, P, other, P)
+    brake = VESSEL_SHARE * P.brake_mps2
+    most = striking_speed(0.5 * (gap - BLUR_M), brake, REACTION, TOUCH_VESSEL_MPS)
     assert s.most_port == pytest.approx(most / P.length_m * 2.0, rel=0.06)  # the other's corners
     assert s.most_port == s.most_starboard
 
 
-def test_a_force_that_has_wound_up_does_not_press_a_hull_on() -> None:
+def test_a_force_that_has_wound_up_does_not_press_a_vessel_on() -> None:
     s = vessel_at(0.0, 0.0)
     s.most_ahead = 0.08
     most = surge_drag(P, 0.08) + P.mass_surge_kg * 0.08 / (P.lag_s + REACTION_S)
@@ -112,8 +112,8 @@ def test_a_force_at_a_safe_speed_is_that_through_the_water() -> None:
     assert safe_force(s, P, 0.0, 240.0) == pytest.approx(surge_drag(P, 0.3))
 
 
-def test_a_hull_above_its_limit_brakes_as_fast_as_that_falls() -> None:
-    """Of a hull that stops at a constant brake a, dv/dt = -a v / (v + a t_r)."""
+def test_a_vessel_above_its_limit_brakes_as_fast_as_that_falls() -> None:
+    """Of a vessel that stops at a constant brake a, dv/dt = -a v / (v + a t_r)."""
     most, reaction = 0.4, P.lag_s + REACTION_S
     falls = P.brake_mps2 * 0.46 / (most + P.brake_mps2 * reaction)
     assert most_gain(P, 0.46, most) == pytest.approx(-0.06 / reaction - falls)
@@ -121,7 +121,7 @@ def test_a_hull_above_its_limit_brakes_as_fast_as_that_falls() -> None:
     assert most_gain(P, 2.0, most) == -P.brake_mps2
 
 
-def test_a_hull_that_leans_turns_off_against_the_water() -> None:
+def test_a_vessel_that_leans_turns_off_against_the_water() -> None:
     """Around the corner it leans on, with the water's load at half its length."""
     s = beside(0.0)
     s.drift_y, s.most_port = -0.3, 0.1
@@ -134,7 +134,7 @@ def test_a_hull_that_leans_turns_off_against_the_water() -> None:
     assert safe_moment(s, P, 500.0) == pytest.approx(free + load)
 
 
-def test_turning_in_contact_presses_a_hull_on_with_no_more_than_the_surge_wanted() -> None:
+def test_turning_in_contact_presses_a_vessel_on_with_no_more_than_the_surge_wanted() -> None:
     """Full thrust both ways would push it ahead by what it has more ahead than astern."""
     s, surge = beside(0.0), 0.2 * P.thrust_low
     s.in_contact, s.heading_ref = 1.0, 0.0
@@ -148,8 +148,8 @@ def test_turning_in_contact_presses_a_hull_on_with_no_more_than_the_surge_wanted
     assert most_difference(s, P, surge) == P.thrust_high - P.thrust_low
 
 
-def test_the_load_of_the_water_is_lifted_to_the_side_to_which_the_hull_shall_turn() -> None:
-    """Also where the reference is at the heading wanted already, and the hull held."""
+def test_the_load_of_the_water_is_lifted_to_the_side_to_which_the_vessel_shall_turn() -> None:
+    """Also where the reference is at the heading wanted already, and the vessel held."""
     turned = []
     for side in (1.0, 0.0, -1.0):
         s = beside(0.0)
@@ -162,7 +162,7 @@ def test_the_load_of_the_water_is_lifted_to_the_side_to_which_the_hull_shall_tur
     assert turned == pytest.approx([spring + 18.0, 0.0, -spring - 18.0], abs=1.0)
 
 
-def test_what_a_hull_leans_on_is_not_taken_for_the_water() -> None:
+def test_what_a_vessel_leans_on_is_not_taken_for_the_water() -> None:
     s = beside(0.0)
     s.drift_y, s.in_contact = -0.3, 1.0
     for _ in range(100):
@@ -206,7 +206,7 @@ def test_in_a_corner_of_two_quays_both_limit_a_turn() -> None:
     assert s.most_starboard == pytest.approx(striking(0.1) / LEVER)
 
 
-def test_a_hull_that_draws_away_may_turn_as_if_it_did_not_drift() -> None:
+def test_a_vessel_that_draws_away_may_turn_as_if_it_did_not_drift() -> None:
     """Its bow is off the quay: what it makes ahead takes its stern away from there."""
     s = beside(0.5)
     s.yaw, found = 0.3, []

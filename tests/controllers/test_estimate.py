@@ -37,7 +37,7 @@ def test_a_jump_is_believed_at_once() -> None:
 
 
 @pytest.mark.parametrize("degrees", [0, 60, 135, -90])
-def test_an_unpowered_hull_that_moves_shows_the_drift(degrees: int) -> None:
+def test_an_unpowered_vessel_that_moves_shows_the_drift(degrees: int) -> None:
     """To the east and north, wherever the bow points."""
     s = after(300, x=0.2, y=0.1, yaw=np.radians(degrees))
     assert s.drift_x == pytest.approx(0.2, abs=0.01)

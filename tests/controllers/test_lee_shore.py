@@ -1,4 +1,4 @@
-"""Lee shores: hulls keep off where .3 m/s of water sets onto a quay, and get off where it has."""
+"""Lee shores: vessels keep off where .3 m/s of water sets onto a quay, and get off where it has."""
 
 import math
 
@@ -17,7 +17,7 @@ from mjforage.controllers.lee_shore import (
     evasive_turn,
     extent,
     heed_lee,
-    heed_lee_hull,
+    heed_lee_vessel,
 )
 from mjforage.controllers.quayside import course_in, note_quays, sets_beside
 from mjforage.controllers.safety import limit_speeds, settle
@@ -40,7 +40,7 @@ UP, DOWN = 0.5 * math.pi, -0.5 * math.pi
 
 
 class Shore:
-    """Lone hulls at the southern edge of a basin that the current goes out through.
+    """Lone vessels at the southern edge of a basin that the current goes out through.
 
     One per heading; gusts, 0.1 m and 1 degree of noise.
     """
@@ -71,7 +71,7 @@ class Shore:
         self.fastest = np.zeros(headings)
 
     def drift(self, seconds: float) -> None:
-        """Let the hulls drift, without a decision."""
+        """Let the vessels drift, without a decision."""
         for _ in range(round(10.0 * seconds)):
             self.walk.tick()
 
@@ -94,7 +94,9 @@ class Shore:
 
 @pytest.mark.parametrize("name", ["scout", "forager"])
 @pytest.mark.parametrize("cells", [(0, 1), (1, 0), (1, 1)], ids=["away", "along", "aslant"])
-def test_a_hull_that_was_carried_onto_the_edge_gets_off(name: str, cells: tuple[int, int]) -> None:
+def test_a_vessel_that_was_carried_onto_the_edge_gets_off(
+    name: str, cells: tuple[int, int]
+) -> None:
     """Most lie alongside; 10 s are not enough to turn off, 60 s are."""
     shore = Shore(name, -90.0, 4, 16)
     shore.drift(20.0)
@@ -105,7 +107,7 @@ def test_a_hull_that_was_carried_onto_the_edge_gets_off(name: str, cells: tuple[
 
 @pytest.mark.parametrize("name", ["scout", "forager"])
 @pytest.mark.parametrize("toward_deg", [-90.0, -45.0])
-def test_hulls_come_to_a_lee_shore_hold_there_and_leave_without_touching(
+def test_vessels_come_to_a_lee_shore_hold_there_and_leave_without_touching(
     name: str, toward_deg: float
 ) -> None:
     shore = Shore(name, toward_deg, 2, 16)
@@ -119,14 +121,14 @@ def test_hulls_come_to_a_lee_shore_hold_there_and_leave_without_touching(
 
 
 def off_quay(off: float, yaw: float, set_mps: float = SET_MPS) -> VesselState:
-    """A hull so far off the southern quay [m] that the water sets onto, in the middle of a cell."""
+    """A vessel so far off the southern quay [m], onto which water sets, amid a cell."""
     s = vessel_at(12.0, QUAY_Y + off, yaw)
     s.drift_y = -set_mps
     return s
 
 
 @pytest.mark.parametrize("gap", [0.1, 0.6])
-def test_bow_on_a_hull_comes_no_faster_than_its_gap_in_a_while(gap: float) -> None:
+def test_bow_on_a_vessel_comes_no_faster_than_its_gap_in_a_while(gap: float) -> None:
     """And goes astern where the gap is less than it keeps."""
     s = off_quay(0.5 * P.length_m + gap, DOWN)
     heed_lee(s, P, BASIN, PITCH_M)
@@ -185,7 +187,7 @@ def test_a_course_along_the_quay_that_water_sets_onto_is_changed() -> None:
 
 
 @pytest.mark.parametrize(("drift", "course"), [((0.0, 0.0), 0.0), ((0.05, -0.2), DOWN)])
-def test_into_a_corner_a_hull_comes_towards_the_quay_that_water_sets_onto(
+def test_into_a_corner_a_vessel_comes_towards_the_quay_that_water_sets_onto(
     drift: tuple[float, float], course: float
 ) -> None:
     """The south-eastern corner; without a drift as it heads and the item bears."""
@@ -196,17 +198,17 @@ def test_into_a_corner_a_hull_comes_towards_the_quay_that_water_sets_onto(
 
 
 @pytest.mark.parametrize("drifts", [True, False])
-def test_another_hull_is_kept_off_unless_it_drifts_alike(drifts: bool) -> None:
+def test_another_vessel_is_kept_off_unless_it_drifts_alike(drifts: bool) -> None:
     s, other = off_quay(8.0, DOWN), off_quay(8.0 - P.length_m - 0.1, DOWN)
     other.vy = -SET_MPS if drifts else 0.0
-    heed_lee_hull(s, P, other, P)
+    heed_lee_vessel(s, P, other, P)
     assert s.most_ahead == (FREE if drifts else pytest.approx((0.1 - OFF_M) / LEE_S))
     fleet, models, sea = np.array([s, other]), np.array([P, P]), np.zeros((0, 0), np.bool_)
     limit_speeds(fleet, models, sea, PITCH_M, 0)
     assert (fleet["most_ahead"][0] < 0.0) == (not drifts)
 
 
-def test_alongside_a_hull_turns_its_stern_off() -> None:
+def test_alongside_a_vessel_turns_its_stern_off() -> None:
     s = off_quay(0.5 * P.beam_m, 0.0)
     s.in_contact = 1.0
     heed_lee(s, P, BASIN, PITCH_M)

@@ -24,7 +24,7 @@ def test_surge_force_is_drag_and_acceleration() -> None:
     )
 
 
-def test_speed_reference_does_not_run_away_from_a_hull_that_cannot_follow() -> None:
+def test_speed_reference_does_not_run_away_from_a_vessel_that_cannot_follow() -> None:
     s = blank()
     for _ in range(100):
         surge_force(s, P, 0.0, 1.5, 0.1)

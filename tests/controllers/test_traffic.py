@@ -26,14 +26,14 @@ OPEN = np.zeros((0, 0), np.bool_)
 
 
 def ordered(s: VesselState, p: ModelRecord, x: float, y: float) -> VesselState:
-    """The hull at the start of its decision to go to (x, y), or to stay there."""
+    """The vessel at the start of its decision to go to (x, y), or to stay there."""
     s.origin_x, s.origin_y, s.target_x, s.target_y = s.x, s.y, x, y
     start_decision(s, p, 1.3)
     return s
 
 
-def traffic(*hulls: VesselState, model: ModelRecord = FORAGER, land: object = OPEN) -> Traffic:
-    fleet, n = np.array([*hulls], STATE), len(hulls)
+def traffic(*vessels: VesselState, model: ModelRecord = FORAGER, land: object = OPEN) -> Traffic:
+    fleet, n = np.array([*vessels], STATE), len(vessels)
     models = np.array([model] * n, MODEL)
     rank_fleet(fleet, models, np.zeros((SAMPLES, 4)))
     paths = np.zeros((n + 1, SAMPLES, 4))
@@ -41,7 +41,7 @@ def traffic(*hulls: VesselState, model: ModelRecord = FORAGER, land: object = OP
 
 
 @pytest.mark.parametrize("name", ["scout", "forager"])
-def test_predicted_arrivals_are_those_of_the_hull_within_a_second_or_so(name: str) -> None:
+def test_predicted_arrivals_are_those_of_the_vessel_within_a_second_or_so(name: str) -> None:
     vessel, yaws, path = load_vessel(name), np.radians([0.0, 70.0, 140.0]), np.zeros((SAMPLES, 4))
     true = sail(vessel, yaws, (4.0, 4.0), 12.0).first_within((4.0, 4.0), 1.0)
     p = packed(vessel_model(vessel))
@@ -120,7 +120,7 @@ def test_who_meets_nobody_goes_straight_on() -> None:
     assert straight_on(now.fleet[0]).end_x == 4.0
 
 
-def test_a_hull_at_rest_makes_room_in_a_corridor() -> None:
+def test_a_vessel_at_rest_makes_room_in_a_corridor() -> None:
     """One cell wide: the mover cannot go round, so the other moves aside."""
     land = Chart(grid("......"), 4.0).land
     now = traffic(
@@ -135,10 +135,10 @@ def test_a_hull_at_rest_makes_room_in_a_corridor() -> None:
     assert aside > 0.5 or mover.via == 1.0
 
 
-def limits(*hulls: VesselState) -> NDArray[np.float64]:
+def limits(*vessels: VesselState) -> NDArray[np.float64]:
     """Fastest safe speeds ahead and astern of the first scout, on open water."""
-    fleet = np.array([*hulls], STATE)
-    limit_speeds(fleet, np.array([SCOUT] * len(hulls), MODEL), OPEN, 4.0, 0)
+    fleet = np.array([*vessels], STATE)
+    limit_speeds(fleet, np.array([SCOUT] * len(vessels), MODEL), OPEN, 4.0, 0)
     return np.array([fleet[0].most_ahead, fleet[0].most_astern])
 
 
@@ -146,7 +146,7 @@ def test_nothing_near_no_limit() -> None:
     assert (limits(vessel_at(0.0, 0.0), vessel_at(30.0, 0.0)) == UNLIMITED).all()
 
 
-def test_a_hull_ahead_limits_to_what_stops_before_it() -> None:
+def test_a_vessel_ahead_limits_to_what_stops_before_it() -> None:
     ahead, astern = limits(vessel_at(0.0, 0.0), vessel_at(3.0, 0.0))
     room = 3.0 - 1.35 - SCOUT.clearance_m
     reaction = SCOUT.lag_s + REACTION_S
@@ -155,13 +155,13 @@ def test_a_hull_ahead_limits_to_what_stops_before_it() -> None:
     assert astern == UNLIMITED
 
 
-def test_a_hull_that_comes_nearer_limits_more() -> None:
+def test_a_vessel_that_comes_nearer_limits_more() -> None:
     still = limits(vessel_at(0.0, 0.0), vessel_at(3.5, 0.0, math.pi))[0]
     coming = limits(vessel_at(0.0, 0.0), vessel_at(3.5, 0.0, math.pi, speed=1.0))[0]
     assert coming < 0.8 * still
 
 
-def test_way_is_left_for_a_hull_with_right_of_way_alone() -> None:
+def test_way_is_left_for_a_vessel_with_right_of_way_alone() -> None:
     """It crosses 3 m ahead at 1 m/s and would stop before our bow, but for another second's way."""
     ours, crosses = vessel_at(0.0, 0.0), vessel_at(3.0, -2.5, math.pi / 2, speed=1.0)
     for rank, free in ((1, False), (-1, True)):  # the other's is 0
@@ -175,7 +175,7 @@ def test_too_near_it_may_go_away_only() -> None:
     assert astern == UNLIMITED
 
 
-def test_a_hull_beside_another_turns_by_the_size_of_that_one() -> None:
+def test_a_vessel_beside_another_turns_by_the_size_of_that_one() -> None:
     """A forager in the place of a scout is 5 cm nearer: it leaves less room to turn."""
     turns = []
     for other in (SCOUT, FORAGER):
@@ -196,7 +196,7 @@ def test_right_of_way_is_given_anew_in_every_decision() -> None:
 @pytest.mark.parametrize(
     ("drift", "way"), [((1.0, 0.0), 1.0), ((-1.0, 0.0), -1.0), ((0.0, 1.0), -1.0)]
 )
-def test_a_hull_goes_astern_to_what_lies_behind_unless_a_current_runs_against_it(
+def test_a_vessel_goes_astern_to_what_lies_behind_unless_a_current_runs_against_it(
     drift: tuple[float, float], way: float
 ) -> None:
     """A scout makes 1.5 m/s astern and 1.94 m/s ahead; the target is 4 m to the west."""

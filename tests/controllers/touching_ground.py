@@ -104,7 +104,7 @@ def walked(place: Place, episodes: int, periods: int, seed: int) -> Outcome:
 
 
 def main() -> None:
-    """Print how often hulls touched at which speed, and when they touched fastest."""
+    """Print how often vessels touched at which speed, and when they touched fastest."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--episodes", type=int, default=40)
     parser.add_argument("--periods", type=int, default=60)

@@ -209,7 +209,7 @@ class Walk:
         return outcome
 
     def _held(self) -> NodeArray:
-        """(episode, vessel) node that holds each hull, or the one before if it is over a quay."""
+        """(episode, vessel) node that holds each vessel, or the one before if it is over a quay."""
         rc = np.rint(self.graph.row_column(self.simulation.vessel_pose[..., :2])).astype(np.int64)
         rows, cols = self.graph.shape
         cells = self.graph.node_of_cell

@@ -42,14 +42,14 @@ def copied(folder: Path, name: str, *changes: tuple[str, str], without: str = ""
 
 
 @pytest.mark.parametrize("preset", preset_names())
-def test_shipped_scenarios_have_hulls_that_feel_and_can_do_all(preset: str) -> None:
+def test_shipped_scenarios_have_vessels_that_feel_and_can_do_all(preset: str) -> None:
     setup = Setup.of(load_scenario(preset))
     assert run_warnings(setup, ("graph", "physics")) == ()
     for world in WORLDS:
         assert not any(line.startswith("vessel ") for line in run_warnings(setup, (world,)))
 
 
-def test_wind_that_a_hull_does_not_feel_is_told(tmp_path: Path) -> None:
+def test_wind_that_a_vessel_does_not_feel_is_told(tmp_path: Path) -> None:
     bare = copied(tmp_path, "scout", without="windage")
     scouts, wind = f"physics.vessels.scouts={bare}", "weather.wind_speed_mps=12"
     line = "vessel scout_ of scouts: has no [windage] and does not feel the wind of up to 12 m/s"
@@ -111,7 +111,7 @@ def test_keys_of_physics_that_no_world_of_a_run_feels_are_told(
 
 
 @pytest.mark.parametrize("key", ["current_speed_mps", "current_wander_mps", "circulation_mps"])
-def test_currents_that_only_hulls_feel_are_told(key: str) -> None:
+def test_currents_that_only_vessels_feel_are_told(key: str) -> None:
     current = f"weather.{key}=0.1"
     (line,) = told(PHYSICS, current, "physics.items=graph")
     assert line.startswith(f"weather.{key}: vessels feel it, items do not by physics.items")
@@ -126,7 +126,7 @@ def test_items_without_bodies_have_no_classes() -> None:
 
 
 @pytest.mark.parametrize(("longer_s", "hunts"), [(-0.01, False), (0.01, True)])
-def test_a_hull_hunts_from_a_dead_time_as_long_as_its_rise(longer_s: float, hunts: bool) -> None:
+def test_a_vessel_hunts_from_a_dead_time_as_long_as_its_rise(longer_s: float, hunts: bool) -> None:
     scout = load_vessel("scout")
     rise = full_speed_s(scout)
     vessel = replace(scout, lag_s=rise - 0.1 + longer_s)
@@ -161,7 +161,7 @@ def test_moves_are_late_where_they_take_longer_than_a_decision(longer_s: float, 
         ),
     ],
 )
-def test_hulls_too_quick_for_control_or_step_are_told(
+def test_vessels_too_quick_for_control_or_step_are_told(
     tmp_path: Path, changes: list[tuple[str, str]], words: str
 ) -> None:
     scouts = f"physics.vessels.scouts={copied(tmp_path, 'scout', *changes)}"
@@ -172,7 +172,7 @@ def test_hulls_too_quick_for_control_or_step_are_told(
         assert told(PHYSICS, scouts, "physics.step_s=0.05") == []
 
 
-def test_moves_that_a_hull_cannot_make_are_told_and_are_late() -> None:
+def test_moves_that_a_vessel_cannot_make_are_told_and_are_late() -> None:
     """20 m in 10 s at 1.94 m/s, after a turn of 90 degrees at 0.95 rad/s."""
     overrides = ("map.pitch_m=10", "horizon=4", "team.foragers.count=0", "team.scouts.count=1")
     (line,) = told(PHYSICS, *overrides)

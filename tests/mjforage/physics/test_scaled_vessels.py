@@ -1,4 +1,4 @@
-"""Hulls with a scenario's factors: which numbers they change, by how much, and who knows of it."""
+"""Vessels with a scenario's factors: the numbers that change, and that controllers do not know."""
 
 from dataclasses import asdict, fields, replace
 from typing import Any
@@ -76,7 +76,7 @@ def spied(monkeypatch: pytest.MonkeyPatch, scale: dict[str, float]) -> dict[str,
     return heard
 
 
-def test_hulls_in_mujoco_are_scaled_and_their_controllers_do_not_know(
+def test_vessels_in_mujoco_are_scaled_and_their_controllers_do_not_know(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plain = spied(monkeypatch, {})
@@ -92,23 +92,6 @@ def test_hulls_in_mujoco_are_scaled_and_their_controllers_do_not_know(
     drag = [one["pack_fleet"][0]["linear_sway"] for one in (plain, heavy)]
     assert drag[1] == pytest.approx(1.3 * drag[0])
     assert heavy["vessel_model"] == plain["vessel_model"]
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "words"),
-    [
-        ("mass", 1.3, "physics.scale.mass = 1.3 should be "),
-        ("mass", 0.7, "should be greater than or equal to 0.78"),
-        ("added_mass", 1.6, "should be less than or equal to 1.5"),
-        ("drag", 0.5, "should be greater than or equal to 0.57"),
-        ("thrust", 1.1, "should be less than or equal to 1"),
-        ("windage", 2.1, "should be less than or equal to 2"),
-        ("mas", 1.0, "unknown key physics.scale.mas; did you mean"),
-    ],
-)
-def test_factors_beyond_the_sources_are_refused(key: str, value: float, words: str) -> None:
-    with pytest.raises(UserError, match=words):
-        load_scenario("comb-port", (f"physics.scale.{key}={value}",))
 
 
 def test_a_thrust_below_the_dead_zone_is_refused() -> None:

@@ -151,7 +151,7 @@ def test_the_noise_of_an_item_is_that_of_the_graph_in_every_decision() -> None:
 
 @pytest.mark.parametrize("side", AXES)
 @pytest.mark.parametrize("water", [False, True])
-def test_wind_and_current_push_a_hull_that_stays_at_first(side: str, water: bool) -> None:
+def test_wind_and_current_push_a_vessel_that_stays_at_first(side: str, water: bool) -> None:
     blown, borne = {toward: origin for origin, toward in PUSHED.items()}, TOWARD[side]
     wind = replace(CALM, wind_speed_mps=8.0, wind_from_deg=FROM[blown[AXES[side]]])
     weather = replace(CALM, current_speed_mps=0.3, current_toward_deg=borne) if water else wind
@@ -174,7 +174,7 @@ def test_a_move_of_two_nodes_takes_a_vessel_ten_metres_that_way(world: str, word
     for told in (found.state.distance, found.state.energy, found.state.agent_speed):
         assert told[0, 0] == pytest.approx(length, abs=1e-9 if world == "graph" else 0.3)
     if (world, word) == ("physics", "W"):
-        degrees = 0.0  # where a hull's bow is at the start: it goes astern
+        degrees = 0.0  # where a vessel's bow is at the start: it goes astern
     for yaw in (pose[2], found.state.agent_yaw[0, 0]):
         off = np.angle(np.exp(1j * (yaw - np.radians(degrees))))
         assert abs(off) < (1e-6 if world == "graph" else 0.5)

@@ -78,8 +78,8 @@ def test_numbers_of_a_propeller_and_of_a_force() -> None:
     assert (scout.command_low, scout.command_high) == (-19.9, 33.6)
 
 
-def test_controllers_know_every_number_of_a_hull() -> None:
-    """Of a hull whose numbers are unlike, all that does not follow from several, by its name."""
+def test_controllers_know_every_number_of_a_vessel() -> None:
+    """Of a vessel whose numbers are unlike, all that does not follow from several, by its name."""
     known = dataclasses.asdict(vessel_model(WORKBOAT))
     assert {name: known[name] for name in NUMBERS} == NUMBERS
     otter = vessel_model(load_vessel("otter"))
@@ -121,7 +121,7 @@ def test_default_tunings_sail(name: str) -> None:
     assert track.off((4.0, 0.0))[-1].max() < 0.6
 
 
-def test_a_hull_of_another_size_sails_by_default() -> None:
+def test_a_vessel_of_another_size_sails_by_default() -> None:
     """Three times as long, twenty times as heavy: legs reached, turned into, and kept in gusts."""
     track = sail(WORKBOAT, YAWS, (40.0, 0.0), 60.0)
     assert np.isfinite(track.first_within((40.0, 0.0), 1.0)).all()

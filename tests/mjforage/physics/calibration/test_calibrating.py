@@ -13,7 +13,7 @@ FORAGER = load_vessel("forager")
 
 
 @pytest.mark.parametrize("quays", QUAYS)
-def test_hulls_begin_afloat_and_away_from_items_that_lie_where_they_are_said_to(
+def test_vessels_begin_afloat_and_away_from_items_that_lie_where_they_are_said_to(
     quays: Quays,
 ) -> None:
     trials = draw(np.random.default_rng(0), FORAGER, quays, 2000, 2)

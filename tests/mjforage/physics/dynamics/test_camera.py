@@ -74,7 +74,7 @@ def test_an_item_out_of_view_or_range_or_off_the_water_is_not_seen() -> None:
     assert np.isnan(out[1]).all()
 
 
-def test_a_place_is_told_from_the_pose_that_the_hull_measures() -> None:
+def test_a_place_is_told_from_the_pose_that_the_vessel_measures() -> None:
     measured = HULLS + np.array([0.3, -0.2, np.pi / 2])
     xy, out = HULLS[1:, :2] + 2.0 * np.array([np.cos(YAW), np.sin(YAW)]), np.empty((2, 1, 2))
     key = episode_keys(0, np.arange(1))[0]
@@ -83,7 +83,7 @@ def test_a_place_is_told_from_the_pose_that_the_hull_measures() -> None:
     np.testing.assert_allclose(out[1, 0], measured[1, :2] + ahead, atol=1e-12)
 
 
-def test_hulls_hand_cameras_their_true_pose_and_the_one_that_they_measure() -> None:
+def test_vessels_hand_cameras_their_true_pose_and_the_one_that_they_measure() -> None:
     """They see the items as far off as they are, and take them to be as far off as themselves."""
     frames = ("camera_noise_m=1e-6", "camera_range_noise_per_m=0", "camera_latency_s=0")
     view = ("camera_fov_deg=360", "camera_range_m=100")

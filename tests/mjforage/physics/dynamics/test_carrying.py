@@ -47,7 +47,7 @@ def test_items_go_as_bounds_are_told(water: tuple[str, ...]) -> None:
     expected = 0.5 * (told + after.item_drift_rc)
     off = np.abs(mission.state.item_rc - at - expected).max(axis=-1)[left]
     assert np.median(off) < 0.01
-    assert (off < 0.05).mean() > 0.8  # the others lie against a quay, or a hull
+    assert (off < 0.05).mean() > 0.8  # the others lie against a quay, or a vessel
     mean = [told[e][left[e]].mean(axis=0) for e in range(3)]
     np.testing.assert_allclose(before.drift_rc, mean, atol=1e-9)
     by_wind = np.abs(told - mission.initial.drift_rc[:, None]).max(axis=-1)[left]

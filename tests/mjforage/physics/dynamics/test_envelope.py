@@ -22,7 +22,7 @@ Nearest = NDArray[np.float64]  # (episode, decision, agent) [m] midships to targ
 def random_moves(
     sea: str, team: str, current_mps: float, period_s: float, episodes: int
 ) -> tuple[EpisodeLog, Nearest]:
-    """Random decisions of a hull alone on open water, and how near it came to its targets."""
+    """Random decisions of a vessel alone on open water, and how near it came to its targets."""
     counts = (f"team.{name}.count={int(name == team)}" for name in TEAMS)
     current = f"weather.current_speed_mps={current_mps}"
     overrides = (*counts, current, f"period_s={period_s}", f"horizon={PERIODS}", "items.mean=5")

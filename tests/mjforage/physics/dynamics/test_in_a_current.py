@@ -17,7 +17,7 @@ STREAM = ("weather.current_speed_mps=0.3",)
 
 
 def holding(preset: str, episodes: int, decisions: int, *overrides: str) -> MujocoDynamics:
-    """Hulls that stay where they start, in 0.3 m/s."""
+    """Vessels that stay where they start, in 0.3 m/s."""
     setup = Setup.of(load_scenario(preset, (*CALM, *STREAM, *overrides)))
     dynamics = MujocoDynamics(setup.graph, setup.fleet, setup.scenario)
     keys = episode_keys(7, np.arange(episodes))
@@ -34,7 +34,7 @@ def holding(preset: str, episodes: int, decisions: int, *overrides: str) -> Mujo
 
 
 @pytest.mark.parametrize("preset", ["channels", "open-bay", "comb-port"])
-def test_hulls_hold_in_a_current_without_touching(preset: str) -> None:
+def test_vessels_hold_in_a_current_without_touching(preset: str) -> None:
     """20 fleets over two minutes, the stream from anywhere, quays beside many: none touches, and
     all are within 1 m of their places at the end."""
     dynamics = holding(preset, 20, 12)
@@ -42,12 +42,12 @@ def test_hulls_hold_in_a_current_without_touching(preset: str) -> None:
     assert np.hypot(off[..., 0], off[..., 1]).max() < 1.0
 
 
-def test_hulls_and_items_with_and_without_bodies_feel_one_water() -> None:
+def test_vessels_and_items_with_and_without_bodies_feel_one_water() -> None:
     """In one place at one time: the field's, at hulls, at items, and in active bodies."""
     dynamics = holding("channels", 4, 1, "weather.circulation_mps=0.1")
     simulation, now = dynamics._simulation, dynamics._tick * 0.1
     active = np.ones(4, np.bool_)
-    simulation._afloat.q[:, 0] = dynamics._motion.pose[:, 0, :2] + 0.05  # beside a hull: active
+    simulation._afloat.q[:, 0] = dynamics._motion.pose[:, 0, :2] + 0.05  # beside a vessel: active
     dynamics._feel(active)
     simulation.step(1)
     field, items = dynamics._field, simulation._afloat.q

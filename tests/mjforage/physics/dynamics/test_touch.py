@@ -28,7 +28,7 @@ def pose(x: float, y: float, degrees: float = 0.0) -> NDArray[np.float64]:
         (pose(3.2, 2.7), False, None),
     ],
 )
-def test_a_hull_beside_a_cell(
+def test_a_vessel_beside_a_cell(
     hull: NDArray[np.float64], touching: bool, normal: tuple[float, float] | None
 ) -> None:
     hit, nx, ny, _ = contact(hull, pose(0, 0), HULL, CELL)
@@ -38,7 +38,7 @@ def test_a_hull_beside_a_cell(
 
 
 def test_a_corner_between_axes_does_not_touch_although_bounding_boxes_do() -> None:
-    """Both boxes' bounding boxes overlap; only the hull's own axis separates them."""
+    """Both boxes' bounding boxes overlap; only the vessel's own axis separates them."""
     assert not contact(pose(2.9, 2.9, 45), pose(0, 0), HULL, CELL)[0]
     assert contact(pose(2.3, 2.3, 45), pose(0, 0), HULL, CELL)[0]
 
@@ -103,8 +103,8 @@ def test_at_a_seam_between_cells_a_straight_quay_is_one(along: float) -> None:
 
 
 @pytest.mark.parametrize(("rows", "middle"), [(["10", "10"], 2.0), (["111", "101", "111"], 4.0)])
-def test_no_point_of_a_touch_lies_outside_the_hull(rows: list[str], middle: float) -> None:
-    """Turning at 1 rad/s on the spot beside a quay, nearly parallel to it, no point of a hull is
+def test_no_point_of_a_touch_lies_outside_the_vessel(rows: list[str], middle: float) -> None:
+    """Turning at 1 rad/s on the spot beside a quay, nearly parallel to it, no point of a vessel is
     faster than its corner, 1 m along the quay; a cell's own corners are up to 4 m off.
 
     The quay is of two cells, or one cell alone, whose corners jut out.

@@ -36,7 +36,7 @@ def test_rungs_that_a_scenario_lacks_are_left_out(
     assert ladder_of(load_scenario("comb-port-weather", overrides)) == expected
 
 
-def test_the_default_port_has_only_hulls_and_bodies() -> None:
+def test_the_default_port_has_only_vessels_and_bodies() -> None:
     assert ladder_of(load_scenario("comb-port")) == ("graph", "hulls", "physics")
 
 

@@ -25,7 +25,7 @@ def scattered(
     monkeypatch: pytest.MonkeyPatch,
     bodies: int = ITEMS + simulation.POOL_SPARE,
 ) -> Simulation:
-    """Items of all classes all over a basin and a little way onto its quays, and a hull."""
+    """Items of all classes all over a basin and a little way onto its quays, and a vessel."""
     scene = build_scene([FORAGER], navigable=water, pitch_m=4.0, items=bodies)
     with monkeypatch.context() as patch:
         patch.setattr(simulation, "CLOSING_MPS", closing_mps)
@@ -45,7 +45,7 @@ def scattered(
 def blow(
     sim: Simulation, seconds: float, *, drive: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Turning, gusty wind and a current; the hull drives about, or lies far away.
+    """Turning, gusty wind and a current; the vessel drives about, or lies far away.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def test_items_move_as_in_mujoco(
 def test_items_go_over_to_mujoco_and_back_without_a_jump(
     integrator: Integrator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A hull that drives through them, pushes some and pins some to quays does so all the same."""
+    """A vessel that drives through them still pushes some and pins some to quays."""
     active = scattered(BASIN, integrator, simulation.CLOSING_MPS, monkeypatch, bodies=3)
     all_bodies = scattered(BASIN, integrator, ALWAYS, monkeypatch)
     unpushed = scattered(BASIN, integrator, NEVER, monkeypatch)
@@ -107,7 +107,7 @@ def test_water_that_is_no_number_is_named(monkeypatch: pytest.MonkeyPatch) -> No
         sim.step(10)
 
 
-def test_more_items_near_hulls_than_bodies_can_be_are_refused(
+def test_more_items_near_vessels_than_bodies_can_be_are_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(simulation, "MOST_BODIES", 12)

@@ -101,6 +101,6 @@ def test_leeway_of_the_forager_head_to_wind_balances_air_and_water() -> None:
     assert found["leeway"] == pytest.approx(speed / 0.08, rel=1e-6)
 
 
-def test_a_hull_that_feels_no_wind_has_no_leeway_rather_than_none_of_it() -> None:
+def test_a_vessel_that_feels_no_wind_has_no_leeway_rather_than_none_of_it() -> None:
     found = figures("otter", "drift", Conditions(wind_mps=(0.0, 8.0)))
     assert "leeway" not in found and found["drift_speed"] == 0.0

@@ -69,15 +69,7 @@ def test_water_and_quays_are_where_the_map_has_them(model: mujoco.MjModel) -> No
         assert on_land != PORT[row, col]
 
 
-def test_looks_add_nothing_that_touches() -> None:
-    bare = build_scene([SCOUT, FORAGER], items=5).model
-    shown = build_scene([SCOUT, FORAGER], items=5, looks=[0, 1, 2, 3, 4]).model
-    assert shown.ngeom > bare.ngeom + 40
-    assert np.count_nonzero(shown.geom_contype) == np.count_nonzero(bare.geom_contype)
-    np.testing.assert_array_equal(shown.body_mass, bare.body_mass)
-
-
-def test_a_hull_too_large_for_its_corridor_is_named() -> None:
+def test_a_vessel_too_large_for_its_corridor_is_named() -> None:
     with pytest.raises(
         UserError, match=r"forager: a vessel of 2 m x 1.08 m needs 2.27 m to turn, .* 2 m"
     ):

@@ -35,7 +35,7 @@ def pressed(
 
 @BOTH
 @pytest.mark.parametrize(("current", "moment"), [(0.0, 50.0), (0.0, -50.0), (0.3, 40.0)])
-def test_a_quay_bears_a_turning_hull_at_one_corner(
+def test_a_quay_bears_a_turning_vessel_at_one_corner(
     integrator: Integrator, current: float, moment: float
 ) -> None:
     """Thrusters turn it; wind presses it on; the quay holds it by the bow or by the stern.

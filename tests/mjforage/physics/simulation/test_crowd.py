@@ -26,7 +26,7 @@ def test_sparse_and_dense_solvers_agree(integrator: Integrator) -> None:
     assert np.abs(first - second).max() < TOLERANCE_M
 
 
-def test_hulls_and_items_are_in_contact() -> None:
+def test_vessels_and_items_are_in_contact() -> None:
     simulation = crowd(Integrator.FAST)
     data = mujoco.MjData(simulation.model)
     places(simulation, SECONDS)

@@ -26,7 +26,7 @@ def test_lags_too_short_to_step_are_named() -> None:
         MujocoVessel(quick, Conditions())
 
 
-def test_a_hull_that_moves_starts_with_its_velocity_over_ground() -> None:
+def test_a_vessel_that_moves_starts_with_its_velocity_over_ground() -> None:
     start = Conditions(heading_rad=0.7, velocity_mps=(0.5, -0.1), yaw_rate_radps=0.2)
     assert MujocoVessel(load_vessel("otter"), start).state() == pytest.approx(start.start)
 

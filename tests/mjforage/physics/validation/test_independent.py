@@ -16,7 +16,7 @@ from tests.mjforage.physics.validation.independent import IndependentOtter
 OTTER = load_vessel("otter")
 
 
-def test_the_independent_hull_rolls_and_settles() -> None:
+def test_the_independent_vessel_rolls_and_settles() -> None:
     """Its roll has the period of 967 N m/rad and 17.66 kg m2, coupled to sway by the high mass."""
     hull = IndependentOtter(OTTER, Conditions())
     hull._pose[3] = 0.1

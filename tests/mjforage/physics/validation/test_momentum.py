@@ -4,9 +4,8 @@ import math
 
 import pytest
 
-from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.vessels import load_vessel
-from tests.mjforage.physics.validation.momentum import MomentumVessel, wind_load
+from tests.mjforage.physics.validation.momentum import wind_load
 from tests.mjforage.physics.validation.motion_checks import leeway
 
 
@@ -17,15 +16,6 @@ def test_drift_is_that_of_an_integration_by_others(name: str, shares: tuple[floa
     """Percent of winds of 2, 5 and 10 m/s; two digits."""
     for wind, share in zip((2.0, 5.0, 10.0), shares, strict=True):
         assert 100.0 * leeway(load_vessel(name), wind) == pytest.approx(share, rel=0.025)
-
-
-def test_beam_to_the_wind_it_drifts_at_its_leeway() -> None:
-    hull = MomentumVessel(load_vessel("forager"), Conditions((0.2, 0.1), (0.2, 10.1), 0.0))
-    hull.step(0.0, 0.0, 60.0)
-    _, _, yaw, surge, sway, _ = hull.state()
-    assert yaw == pytest.approx(0.0, abs=1e-9)
-    assert surge == pytest.approx(0.2, abs=1e-3)
-    assert sway - 0.1 == pytest.approx(10.0 * leeway(load_vessel("forager"), 10.0), rel=1e-6)
 
 
 @pytest.mark.parametrize("port", [1.0, -1.0])

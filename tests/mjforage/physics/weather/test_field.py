@@ -44,10 +44,6 @@ def at_sea(settings: WeatherSettings, episodes: int) -> Field:
     return Field.create(settings, episode_keys(0, np.arange(episodes)))
 
 
-def correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    return float(stats.pearsonr(a, b).statistic)
-
-
 def test_the_same_bits_in_any_company_and_order() -> None:
     whole, keys = field(EVERYTHING, 9), episode_keys(0, np.arange(9))
     xy, times = points(9, 79), np.linspace(0.0, 1500.0, 9)
@@ -114,7 +110,6 @@ def test_the_papers_drift_has_its_distribution_and_is_the_graphs() -> None:
     drift = 0.03 * weather.mean_wind_mps
     for axis in range(2):
         assert stats.kstest(drift[:, axis], "uniform", (-0.04, 0.08)).pvalue > 0.01
-    assert abs(correlation(drift[:, 0], drift[:, 1])) < 4 / math.sqrt(3000)
     graphs = np.stack((world.drift_rc[:, 1], -world.drift_rc[:, 0]), axis=-1) * PITCH / PERIOD
     np.testing.assert_allclose(drift, graphs, rtol=1e-14)
 
@@ -154,8 +149,3 @@ def test_streams_are_the_free_stream_in_open_water_and_none_on_land() -> None:
     np.testing.assert_allclose(bay.current(1.0, inside), np.tile(free, (1, 20, 1)), atol=1e-9)
     land = HARBOUR.metres(np.argwhere(~HARBOUR.navigable).astype(np.float64))[None]
     assert np.abs(field(settings, 1).current(1.0, land)).max() < 1e-12
-
-
-def test_lost_positions_stay_lost() -> None:
-    xy = np.full((1, 1, 2), np.nan)
-    assert np.isnan(field(EVERYTHING, 1).current(0.0, xy)).all()
