@@ -78,16 +78,16 @@ class ModelRecord(VesselModel, Tuning):
 
 
 _OWN = tuple(entry.name for entry in fields(VesselModel) if entry.name != "tuning")
-_CHOSEN = tuple(entry.name for entry in fields(Tuning))
-MODEL = record_type((*_OWN, *_CHOSEN, "thrust_low", "thrust_high"))
+_TUNED = tuple(entry.name for entry in fields(Tuning))
+MODEL = record_type((*_OWN, *_TUNED, "thrust_low", "thrust_high"))
 ModelArray: TypeAlias = NDArray[Any]  # (vessel,) of `MODEL`
 
 
 def packed(model: VesselModel) -> ModelRecord:
     """A model as a record of `MODEL`, SI units."""
     own = [getattr(model, name) for name in _OWN]
-    chosen = [getattr(model.tuning, name) for name in _CHOSEN]
+    tuned = [getattr(model.tuning, name) for name in _TUNED]
     low = -model.k_astern * abs(model.command_low) ** model.exponent
     high = model.k_ahead * model.command_high**model.exponent
-    record: ModelRecord = np.array([(*own, *chosen, low, high)], MODEL)[0]
+    record: ModelRecord = np.array([(*own, *tuned, low, high)], MODEL)[0]
     return record

@@ -19,14 +19,14 @@ def validate(vessel: str, /) -> None:
         A vessel (see `mjforage vessels`) or path of a TOML file.
     """
     from mjforage.physics.run_warnings import vessel_warnings
-    from mjforage.physics.vessel_checks import measures_of, shown
+    from mjforage.physics.vessel_checks import formatted, measures_of
     from mjforage.physics.vessels import load_vessel
 
     loaded = load_vessel(vessel)
     measures = measures_of(loaded)
     table = Table("check", "measured", "limit", "result", box=None, pad_edge=False)
     for measure in measures:
-        value = f"{shown(measure.value)} {measure.unit}".strip()
+        value = f"{formatted(measure.value)} {measure.unit}".strip()
         result, style = ("passed", None) if measure.passed else ("failed", "red")
         table.add_row(measure.what, value, measure.limit, result, style=style)
     print_table(table)

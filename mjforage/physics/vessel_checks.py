@@ -51,12 +51,12 @@ class Measure(NamedTuple):
     def limit(self) -> str:
         """The range in words, without the unit."""
         if self.low == self.high:
-            return shown(self.low)
+            return formatted(self.low)
         if math.isinf(self.low):
-            return f"at most {shown(self.high)}"
+            return f"at most {formatted(self.high)}"
         if math.isinf(self.high):
-            return f"at least {shown(self.low)}"
-        return f"{shown(self.low)} to {shown(self.high)}"
+            return f"at least {formatted(self.low)}"
+        return f"{formatted(self.low)} to {formatted(self.high)}"
 
 
 def at_most(what: str, value: float, limit: float, unit: str = "") -> Measure:
@@ -64,7 +64,7 @@ def at_most(what: str, value: float, limit: float, unit: str = "") -> Measure:
     return Measure(what, float(value), -math.inf, float(limit), unit)
 
 
-def shown(value: float) -> str:
+def formatted(value: float) -> str:
     """A number with four digits, as tables show it."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g}"

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.physics.calibration import Trials, collected_in
-from mjforage.physics.calibration.drawing import MIDDLE_M, REST_M
-from mjforage.physics.calibration.ground import PITCH_M, SENSORS
+from mjforage.physics.calibration.trials import MIDDLE_M, PITCH_M, REST_M, SENSORS
 from tests.controllers.proving_ground import say
 
 FloatArray = NDArray[np.float64]
@@ -83,19 +82,19 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--trials", type=int, default=400)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=Path)
-    chosen = parser.parse_args(arguments)
-    told = []
+    options = parser.parse_args(arguments)
+    rows = []
     for noise_m in (0.0, 0.1, 0.2):
         sensors = replace(SENSORS, camera_noise_m=noise_m)
         for place in PLACES:
-            drawn = place(np.random.default_rng(chosen.seed), chosen.trials)
-            decision = collected_in("forager", drawn, 3, chosen.seed, sensors)
+            drawn = place(np.random.default_rng(options.seed), options.trials)
+            decision = collected_in("forager", drawn, 3, options.seed, sensors)
             shares = [float(np.mean(decision <= last)) for last in range(3)]
             words = ", ".join(f"{share:.2f}" for share in shares)
             say(f"{noise_m:g} m, {place.__name__}: {words} within 10, 20, 30 s")
-            told.append({"noise_m": noise_m, "place": place.__name__, "shares": shares})
-    if chosen.json:
-        write_bytes(chosen.json, json.dumps(told, indent=1).encode())
+            rows.append({"noise_m": noise_m, "place": place.__name__, "shares": shares})
+    if options.json:
+        write_bytes(options.json, json.dumps(rows, indent=1).encode())
 
 
 if __name__ == "__main__":

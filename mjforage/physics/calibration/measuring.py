@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
 from mjforage.mission.capture_rule import capture_cell
-from mjforage.physics.calibration.drawing import draw
-from mjforage.physics.calibration.ground import PERIOD_S, PITCH_M, Trials, collected_in
+from mjforage.physics.calibration.trials import PERIOD_S, PITCH_M, Trials, collected_in, draw
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.scenario.capture import (
     DECISIONS,
@@ -42,35 +41,35 @@ def calibrate(vessel: str, trials: int, seed: int) -> Capture:
     UserError
         If there is no such vessel, or it is too large for a node.
     """
-    hull, cells, follows = load_vessel(vessel), [], []
+    loaded, cells, follows = load_vessel(vessel), [], []
     for number, quays in enumerate(QUAYS):
         rng = np.random.default_rng((seed, number))
-        alone = collected_in(vessel, _in_every_cell(rng, hull, quays, trials), DECISIONS, seed)
+        alone = collected_in(vessel, _in_every_cell(rng, loaded, quays, trials), DECISIONS, seed)
         for (i, j), found in zip(CELLS, alone.reshape(len(CELLS), trials), strict=True):
             first, second, third = np.bincount(found, minlength=DECISIONS)[:DECISIONS].tolist()
             cells.append(CaptureCell(quays, FROM_M[i], FROM_DEG[j], trials, (first, second, third)))
-        both = collected_in(vessel, draw(rng, hull, quays, PAIRS * trials, 2), 1, seed) == 0
+        both = collected_in(vessel, draw(rng, loaded, quays, PAIRS * trials, 2), 1, seed) == 0
         some = int(both.any(axis=1).sum())
         follows.append(CaptureFollow(quays, max(some, 1), int(both.all(axis=1).sum())))
     return Capture(PERIOD_S, tuple(cells), tuple(follows))
 
 
-def _in_every_cell(rng: np.random.Generator, hull: Vessel, quays: Quays, trials: int) -> Trials:
+def _in_every_cell(rng: np.random.Generator, vessel: Vessel, quays: Quays, trials: int) -> Trials:
     """Trials with one item, in the order of `CELLS`."""
-    kept: list[list[Trials]] = [[] for _ in CELLS]
+    found: list[list[Trials]] = [[] for _ in CELLS]
     lacking = np.full(len(CELLS), trials)
     for _ in range(MOST_BATCHES):
-        drawn = draw(rng, hull, quays, BATCH)
+        drawn = draw(rng, vessel, quays, BATCH)
         cell = _cells(drawn.pose, drawn.items[:, 0])
         for number in np.flatnonzero(lacking):
             rows = np.flatnonzero(cell == number)[: lacking[number]]
-            kept[number].append(drawn.rows(rows))
+            found[number].append(drawn.rows(rows))
             lacking[number] -= rows.size
         if not lacking.any():
-            return Trials.joined([part for parts in kept for part in parts])
+            return Trials.joined([part for parts in found for part in parts])
     i, j = CELLS[int(lacking.argmax())]
     raise UserError(
-        f"vessel {hull.name}: cannot lie {FROM_M[i]:g} m from an item ({quays}), {FROM_DEG[j]:g} "
+        f"vessel {vessel.name}: cannot lie {FROM_M[i]:g} m from an item ({quays}), {FROM_DEG[j]:g} "
         f"degrees off the bow, in a node of {PITCH_M:g} m; give a smaller vessel"
     )
 

@@ -5,7 +5,7 @@ import pytest
 
 from mjforage.mission.capture_rule import capture_cell
 from mjforage.physics.calibration import collected_in
-from mjforage.physics.calibration.drawing import draw, seen_from_hull
+from mjforage.physics.calibration.trials import draw, seen_from_vessel
 from mjforage.physics.vessels import load_vessel
 from mjforage.scenario.capture import FROM_DEG, FROM_M, QUAYS, Quays, load_capture
 
@@ -22,7 +22,7 @@ def test_vessels_begin_afloat_and_away_from_items_that_lie_where_they_are_said_t
     assert inside.max() <= 2.0
     edge = np.minimum(trials.items + 2.0, 18.0 - trials.items) < 0.6
     assert (edge.sum(axis=-1) == QUAYS.index(quays)).all()
-    ahead, aside = seen_from_hull(trials)
+    ahead, aside = seen_from_vessel(trials)
     assert np.maximum(np.abs(ahead) - 1.0, np.abs(aside) - 0.54).min() > 0.0
     assert trials.pose[:, :2].min() > -2.0 + 0.54 and trials.pose[:, :2].max() < 18.0 - 0.54
 

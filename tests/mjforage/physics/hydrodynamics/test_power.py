@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from mjforage.physics.hydrodynamics import pack
+from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.power import drawn_power, least_power
 from mjforage.physics.vessels import IDEAL_POWER, load_vessel
 

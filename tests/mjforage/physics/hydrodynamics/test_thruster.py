@@ -2,7 +2,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mjforage.physics.hydrodynamics import command_for, pack, thrust, thruster_force
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.thruster import command_for, thrust, thruster_force
 from mjforage.physics.vessels import load_vessel
 
 OTTER, SCOUT = pack(load_vessel("otter")), pack(load_vessel("scout"))

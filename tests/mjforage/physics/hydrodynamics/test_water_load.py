@@ -8,13 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from mjforage.physics.hydrodynamics import (
-    hull_force,
-    load_drag,
-    load_mass,
-    pack,
-)
-from mjforage.physics.hydrodynamics.water_load import damping
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.water_load import damping, hull_force, load_drag, load_mass
 from mjforage.physics.vessels import Vessel, load_vessel
 
 OTTER, SCOUT, FORAGER = (load_vessel(name) for name in ("otter", "scout", "forager"))

@@ -1,7 +1,7 @@
 import pytest
 
-from mjforage.physics.hydrodynamics import pack, wind_force
-from mjforage.physics.hydrodynamics.wind_load import wind_slope
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.wind_load import wind_force, wind_slope
 from mjforage.physics.vessels import load_vessel
 
 FORAGER, OTTER = pack(load_vessel("forager")), pack(load_vessel("otter"))

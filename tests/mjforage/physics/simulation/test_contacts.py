@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from mjforage.physics.hydrodynamics import command_for, pack
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.thruster import command_for
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessels import load_vessel

@@ -5,8 +5,9 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from mjforage.physics.hydrodynamics import command_for, pack
 from mjforage.physics.hydrodynamics.conditions import Conditions
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.thruster import command_for
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_checks import (

@@ -1,4 +1,7 @@
-"""Test basin for a lone vessel that collects items at rest, in MuJoCo, with its pilot and noise."""
+"""Trials of lone vessels that collect items at rest in a basin, in MuJoCo, with pilot and noise.
+
+A vessel starts anywhere where it floats free; items lie beside quays or not.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +14,8 @@ from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navig
 from mjforage.mission.initial_state import InitialState, nearest_nodes
 from mjforage.mission.moves import Moves
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
+from mjforage.physics.vessels import Vessel
+from mjforage.scenario.capture import QUAYS, Quays
 from mjforage.scenario.roles import Fleet, Role
 from mjforage.scenario.scenario import MapChoice, Physics, Scenario, Sensors, Weather
 
@@ -20,6 +25,10 @@ SIDE, PITCH_M, PERIOD_S = 5, 4.0, 10.0  # nodes, and the defaults of a scenario
 SENSORS = Sensors(  # of `comb-port-weather`
     position_noise_m=0.1, heading_noise_deg=1.0, camera_noise_m=0.1, camera_fov_deg=360.0
 )
+MIDDLE_M = 0.5 * (SIDE - 1) * PITCH_M  # centre of the basin's middle node, on both axes
+REST_M = (1.85, 1.9)  # from a node's centre, of the middle of an item that rests at its quay
+REACH_M = 1.95  # the same at most, along a quay or without one
+FREE_M = 0.12  # around a vessel at first; more than the radius of an item
 _TEAM = {"foragers": Role(count=1, moves=1, radius=1.0, collects=True)}
 
 
@@ -30,7 +39,7 @@ def basin() -> NavigationGraph:
 
 @dataclass(frozen=True)
 class Trials:
-    """Hulls at rest, each alone with its items.
+    """Vessels at rest, each alone with its items.
 
     Attributes
     ----------
@@ -60,7 +69,7 @@ class Trials:
 def collected_in(
     vessel: str, trials: Trials, decisions: int, seed: int, sensors: Sensors = SENSORS
 ) -> NDArray[np.int64]:
-    """(trial, item) decision in which each item was taken, from 0; `decisions` if in none.
+    """(trial, item) decision in which each item was collected, from 0; `decisions` if in none.
 
     Parameters
     ----------
@@ -115,3 +124,54 @@ def _scenario(vessel: str, sensors: Sensors) -> Scenario:
         physics=Physics(vessels={"foragers": vessel}, capture="intake"),
         sensors=sensors,
     )
+
+
+def draw(
+    rng: np.random.Generator, vessel: Vessel, quays: Quays, count: int, items: int = 1
+) -> Trials:
+    """Trials with a vessel anywhere in a node or one beside it, and items in the node.
+
+    Parameters
+    ----------
+    quays : of `QUAYS`, beside each item
+    count : number drawn; those whose vessel would touch a quay or an item are left out
+    """
+    sides = np.zeros((count, 2))
+    for axis in range(QUAYS.index(quays)):
+        sides[:, axis] = rng.choice((-1.0, 1.0), count)
+    sides = rng.permuted(sides, axis=1)
+    node = MIDDLE_M * (1.0 + sides)
+    at_quay = sides[:, None] * rng.uniform(*REST_M, (count, items, 2))
+    off = np.where(sides[:, None] == 0.0, rng.uniform(-REACH_M, REACH_M, at_quay.shape), at_quay)
+    origin = node + PITCH_M * rng.integers(-1, 2, (count, 2))
+    midships = origin + 0.5 * PITCH_M * rng.uniform(-1.0, 1.0, (count, 2))
+    pose = np.column_stack((midships, rng.uniform(-np.pi, np.pi, count)))
+    trials = Trials(pose, node, node[:, None] + off)
+    free = _is_afloat(vessel, pose) & ~_touches(vessel, trials)
+    return trials.rows(free)
+
+
+def seen_from_vessel(trials: Trials) -> tuple[FloatArray, FloatArray]:
+    """(trial, item) how far each item lies ahead of midships, and to port [m]."""
+    apart = trials.items - trials.pose[:, None, :2]
+    c, s = np.cos(trials.pose[:, 2:]), np.sin(trials.pose[:, 2:])
+    return c * apart[..., 0] + s * apart[..., 1], c * apart[..., 1] - s * apart[..., 0]
+
+
+def _is_afloat(vessel: Vessel, pose: FloatArray) -> NDArray[np.bool_]:
+    """(trial,) whether the whole vessel lies in the basin."""
+    c, s = np.abs(np.cos(pose[:, 2])), np.abs(np.sin(pose[:, 2]))
+    half_length, half_beam = 0.5 * vessel.length_m, 0.5 * vessel.beam_m
+    east = np.abs(pose[:, 0] - MIDDLE_M) + c * half_length + s * half_beam
+    north = np.abs(pose[:, 1] - MIDDLE_M) + s * half_length + c * half_beam
+    inside: NDArray[np.bool_] = np.maximum(east, north) < 0.5 * SIDE * PITCH_M
+    return inside
+
+
+def _touches(vessel: Vessel, trials: Trials) -> NDArray[np.bool_]:
+    """(trial,) whether an item lies against the vessel, or in its mouth."""
+    ahead, aside = seen_from_vessel(trials)
+    along = np.abs(ahead) < 0.5 * vessel.length_m + FREE_M
+    across = np.abs(aside) < 0.5 * vessel.beam_m + FREE_M
+    found: NDArray[np.bool_] = np.any(along & across, axis=1)
+    return found
