@@ -291,8 +291,8 @@ def check_vessel(vessel: Vessel, where: str) -> None:
         )
     if abs(vessel.cog_x_m) >= 0.5 * vessel.length_m:
         raise UserError(
-            f"{where}: cog_x_m = {vessel.cog_x_m:g} is outside the vessel of {vessel.length_m:g} m; "
-            "give metres forward of midships"
+            f"{where}: cog_x_m = {vessel.cog_x_m:g} is outside the vessel of "
+            f"{vessel.length_m:g} m; give metres forward of midships"
         )
     side = vessel.crossflow is not None
     for axis, crossed in (("surge", False), ("sway", side), ("yaw", side)):
