@@ -143,9 +143,9 @@ def evaluate(rules: Rules, runs: int) -> dict[str, Array]:
         "IRR, mean": metrics.irr(idleness).mean(axis=-1),
         "DSL": metrics.mean_dsl(events, locators, HORIZON),
         "ITL": metrics.itl(found, fetched),
-        "CSR": metrics.csr(events, locators),
-        "Gini carriers": metrics.team_gini(events.collected_by, carriers),
-        "Gini locators": metrics.team_gini(events.discovered_by, locators),
+        "CSR": metrics.csr_series(events, locators, HORIZON)[..., -1],
+        "Gini carriers": metrics.gini(metrics.contributions(events.collected_by, carriers)),
+        "Gini locators": metrics.gini(metrics.contributions(events.discovered_by, locators)),
         "overlap locators": metrics.mean([log.overlap for log in logs]),
     }
 
@@ -158,13 +158,13 @@ def comparison(sweep: dict[str, Array], roam: dict[str, Array]) -> Table:
     for name, ours in sweep.items():
         theirs = roam[name]
         gap = metrics.paired_difference(ours, theirs, SEED)
-        better = metrics.probability_of_improvement(ours, theirs, SEED)
+        better = metrics.probability_of_improvement(ours, theirs)
         cells = [
             f"{metrics.mean(side):.3f} ± {metrics.half_width_95(side):.3f}"
             for side in (ours, theirs)
         ]
         interval = f"{gap.value:+.3f} [{gap.low:+.3f}, {gap.high:+.3f}]"
-        table.add_row(name, *cells, interval, f"{better.value:.2f}")
+        table.add_row(name, *cells, interval, f"{better:.2f}")
     return table
 
 

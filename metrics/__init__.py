@@ -7,21 +7,21 @@ Definition"; statistics over episodes come beside them.
 | metric | function | paper |
 |---|---|---|
 | events of every item | `EventTable`, `counts_by_step` | |
-| Percentage of Target Achieved | `pta`, `pta_series` | Primary metrics, PTA |
+| Percentage of Target Achieved | `pta_series` | Primary metrics, PTA |
 | model error (RMSE) | `model_error` | Primary metrics, RMSE |
 | Normalised Time to X | `nt` | Primary metrics, NT_X |
 | Throughput | `throughput` | Primary metrics, Throughput |
 | Mean Idleness, Idleness Reduction Rate | `mean_idleness`, `irr` | Primary metrics, MI, IRR |
-| Discovery-to-Service Latency | `dsl`, `mean_dsl` | Inter-team metrics, DSL |
+| Discovery-to-Service Latency | `mean_dsl` | Inter-team metrics, DSL |
 | Inter-Team Temporal Lag | `itl`, `itl_level` | Inter-team metrics, ITL |
-| Cooperative Success Ratio | `csr`, `csr_series` | Inter-team metrics, CSR |
+| Cooperative Success Ratio | `csr_series` | Inter-team metrics, CSR |
 | Sensitivity Slope | `sensitivity_slope`, `bootstrap_sensitivity` | Inter-team metrics, CSSC |
-| sensitivity regimes, break point | `two_segment_fit`, `break_test` | Inter-team metrics, CSSC |
-| Gini index of contributions | `gini`, `team_gini`, `team_gini_series` | Intra-team metrics, Gini |
+| sensitivity regimes, break point | `two_segment_fit` | Inter-team metrics, CSSC |
+| Gini index of `contributions` | `gini`, `team_gini_series` | Intra-team metrics, Gini |
 | Coverage Overlap | `coverage_overlap` | Intra-team metrics, CO |
 | Marginal Contribution | `marginal_contribution`, `paired_contribution` | Intra-team metrics, MC |
 | forecasts: Brier score and skill | `brier`, `brier_skill`, `base_rate` | |
-| forecasts: their calibration | `reliability`, `resolution`, `calibration_error` | |
+| forecasts: their calibration | `reliability`, `calibration_error` | |
 | age of information, of positions | `age_of_information`, `position_age` | |
 | maps of several owners | `unlikeness` | |
 | contacts, delay of news | `contact_share`, `handover` | |
@@ -50,10 +50,8 @@ from mjforage.metrics.calibration import (
     brier_skill,
     calibration_error,
     reliability,
-    resolution,
 )
 from mjforage.metrics.comparison import (
-    Improvement,
     holm,
     paired_difference,
     paired_p,
@@ -68,26 +66,23 @@ from mjforage.metrics.information import (
     position_age,
     unlikeness,
 )
-from mjforage.metrics.inter_team import csr, csr_series, dsl, itl, itl_level, mean_dsl
+from mjforage.metrics.inter_team import csr_series, itl, itl_level, mean_dsl
 from mjforage.metrics.intra_team import (
     contributions,
     coverage_overlap,
     gini,
     marginal_contribution,
-    team_gini,
     team_gini_series,
 )
 from mjforage.metrics.marginal import paired_contribution
 from mjforage.metrics.model_error import model_error
-from mjforage.metrics.primary import irr, mean_idleness, nt, pta, pta_series, throughput
+from mjforage.metrics.primary import irr, mean_idleness, nt, pta_series, throughput
 from mjforage.metrics.resampling import Interval, bootstrap
 from mjforage.metrics.sensitivity import (
-    BreakTest,
     Line,
     SensitivityIntervals,
     TwoSegments,
     bootstrap_sensitivity,
-    break_test,
     sensitivity_slope,
     two_segment_fit,
 )
@@ -98,9 +93,7 @@ __all__ = [
     "BINS",
     "NEVER",
     "NOBODY",
-    "BreakTest",
     "EventTable",
-    "Improvement",
     "Interval",
     "Line",
     "SensitivityIntervals",
@@ -110,7 +103,6 @@ __all__ = [
     "base_rate",
     "bootstrap",
     "bootstrap_sensitivity",
-    "break_test",
     "brier",
     "brier_skill",
     "calibration_error",
@@ -120,9 +112,7 @@ __all__ = [
     "count",
     "counts_by_step",
     "coverage_overlap",
-    "csr",
     "csr_series",
-    "dsl",
     "gini",
     "half_width_95",
     "handover",
@@ -145,16 +135,13 @@ __all__ = [
     "performance_profile",
     "position_age",
     "probability_of_improvement",
-    "pta",
     "pta_series",
     "reliability",
     "resampled_means",
-    "resolution",
     "sem",
     "sensitivity_slope",
     "stratified_sem",
     "summarise",
-    "team_gini",
     "team_gini_series",
     "throughput",
     "two_segment_fit",

@@ -65,12 +65,6 @@ def reliability(sums: FloatArray) -> FloatArray:
     return np.asarray((share * (forecast - outcome) ** 2).sum(-1))
 
 
-def resolution(sums: FloatArray) -> FloatArray:
-    """Mean squared difference of a bin's frequency and the base rate (...,); more is better."""
-    share, _, outcome = _shares(sums)
-    return np.asarray((share * (outcome - base_rate(sums)[..., None]) ** 2).sum(-1))
-
-
 def calibration_error(sums: FloatArray) -> FloatArray:
     """Mean absolute difference of forecast and frequency over the bins (...,)."""
     share, forecast, outcome = _shares(sums)

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.base.compiled import kernel
 from mjforage.metrics._checks import BoolArray, FloatArray, IntArray
-from mjforage.metrics._compiled import kernel
 from mjforage.metrics.model_error import RADIUS, checked_map, filter_weights, mirrored, node_cells
 
 _REACH = 2 * RADIUS

@@ -10,8 +10,8 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mjforage.base.compiled import kernel
 from mjforage.metrics._checks import BoolArray, FloatArray, ratio, same_shape, whole_steps
-from mjforage.metrics._compiled import kernel
 from mjforage.metrics.comparison import paired_difference
 from mjforage.metrics.error_products import error_products
 from mjforage.metrics.resampling import Interval
@@ -191,12 +191,13 @@ def handover(discovered_at: ArrayLike, received_at: ArrayLike, horizon: int) -> 
     ValueError
         the shapes differ, an item is received before it is discovered, or the horizon is below 1.
     """
-    found, heard = np.asarray(discovered_at, np.float64), np.asarray(received_at, np.float64)
-    same_shape("discovered_at", found, "received_at", heard)
+    found = np.asarray(discovered_at, np.float64)
+    received = np.asarray(received_at, np.float64)
+    same_shape("discovered_at", found, "received_at", received)
     last = float(whole_steps(horizon))
-    if (heard < found).any():
-        raise ValueError("received_at: an item is heard of before it is discovered")
-    waited = np.where(np.isnan(heard), last, np.minimum(heard, last)) - found
+    if (received < found).any():
+        raise ValueError("received_at: an item is received before it is discovered")
+    waited = np.where(np.isnan(received), last, np.minimum(received, last)) - found
     known = ~np.isnan(found)
     return ratio(np.where(known, waited, 0.0).sum(axis=-1), known.sum(axis=-1) * last)
 

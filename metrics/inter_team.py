@@ -21,8 +21,10 @@ from mjforage.metrics.events import EventTable, counts_by_step
 _TIE = 1e-9
 
 
-def dsl(events: EventTable, scouts: ArrayLike, horizon: int) -> FloatArray:
-    """Discovery-to-Service Latency of each item, paper "DSL": (t_c - t_d) / T.
+def mean_dsl(events: EventTable, scouts: ArrayLike, horizon: int) -> FloatArray:
+    """Mean Discovery-to-Service Latency, paper "DSL": (t_c - t_d) / T.
+
+    Of the items that a scout discovered and that were collected.
 
     Parameters
     ----------
@@ -32,21 +34,13 @@ def dsl(events: EventTable, scouts: ArrayLike, horizon: int) -> FloatArray:
 
     Returns
     -------
-    (..., item) in [0, 1]; NaN unless a scout discovered the item and it was collected
+    (...) in [0, 1]; NaN without such an item
 
     Raises
     ------
     ValueError
         the scouts are no distinct agent indices, or the horizon is below 1.
     """
-    steps = whole_steps(horizon)
-    served = _found_by(events, scouts) & (events.collected_at <= steps)
-    latency = (events.collected_at - events.discovered_at) / steps
-    return np.where(served, latency, np.nan)
-
-
-def mean_dsl(events: EventTable, scouts: ArrayLike, horizon: int) -> FloatArray:
-    """Mean of `dsl` over the items where it is defined, (...); NaN where it is for none."""
     steps = whole_steps(horizon)
     served = _found_by(events, scouts) & (events.collected_at <= steps)
     # Whole steps are added, so that no padding of the item axis changes a bit.
@@ -81,30 +75,26 @@ def itl_level(series_1: ArrayLike, series_2: ArrayLike) -> FloatArray:
     return _lag(_series(series_1), _series(series_2), before_first=0)
 
 
-def csr(events: EventTable, scouts: ArrayLike) -> FloatArray:
+def csr_series(events: EventTable, scouts: ArrayLike, horizon: int) -> FloatArray:
     """Cooperative Success Ratio, paper "CSR": collected and scout-discovered / collected.
+
+    Of the items collected up to each step.
 
     Parameters
     ----------
     events : (..., item)
     scouts : (agent,) indices of the agents whose discoveries count; may be empty
+    horizon : T [step]
 
     Returns
     -------
-    (...) in [0, 1], NaN where nothing was collected
+    (..., T + 1) in [0, 1], NaN where nothing was collected
 
     Raises
     ------
     ValueError
-        the scouts are no distinct agent indices.
+        the scouts are no distinct agent indices, or the horizon is below 1.
     """
-    collected = ~np.isnan(events.collected_at)
-    joint = collected & _found_by(events, scouts)
-    return ratio(np.sum(joint, axis=-1), np.sum(collected, axis=-1))
-
-
-def csr_series(events: EventTable, scouts: ArrayLike, horizon: int) -> FloatArray:
-    """CSR of the items collected up to each step, (..., horizon + 1); else as `csr`."""
     joint = np.where(_found_by(events, scouts), events.collected_at, np.nan)
     return ratio(counts_by_step(joint, horizon), counts_by_step(events.collected_at, horizon))
 

@@ -6,8 +6,8 @@ Equations: paper, "Metrics Definition", subsection "Intra-team metrics".
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mjforage.base.compiled import kernel
 from mjforage.metrics._checks import FloatArray, IntArray, agent_indices, first, ratio, same_shape
-from mjforage.metrics._compiled import kernel
 from mjforage.metrics.events import counts_by_step
 
 
@@ -54,22 +54,14 @@ def gini(contribution: ArrayLike) -> FloatArray:
     return ratio(differences, team * np.sum(ranked, axis=-1))
 
 
-def team_gini(handled_by: ArrayLike, agents: ArrayLike) -> FloatArray:
-    """Gini at the end of the items handled by the agents of one team, (...).
-
-    `handled_by` (..., item) is `discovered_by` or `collected_by` of an event table, `agents`
-    (agent,) the team. Raises ValueError as `contributions`.
-    """
-    return gini(contributions(handled_by, agents))
-
-
 def team_gini_series(
     times: ArrayLike, handled_by: ArrayLike, agents: ArrayLike, horizon: int
 ) -> FloatArray:
     """Gini of the items handled up to each step, (..., horizon + 1).
 
-    `times` (..., item) [step] belong to `handled_by`; else as `team_gini`. Raises ValueError
-    also when their shapes differ.
+    `handled_by` (..., item) is `discovered_by` or `collected_by` of an event table, `times`
+    (..., item) [step] belong to it, and `agents` (agent,) are the team. Raises ValueError as
+    `contributions`, and when shapes differ.
     """
     at, by = np.asarray(times, dtype=np.float64), np.asarray(handled_by)
     same_shape("times", at, "handled_by", by)

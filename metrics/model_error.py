@@ -12,8 +12,8 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.base.compiled import kernel
 from mjforage.metrics._checks import BoolArray, FloatArray, IntArray, first, same_shape
-from mjforage.metrics._compiled import kernel
 
 SIGMA = 1.0
 """Standard deviation of the filter [node], paper "RMSE"."""

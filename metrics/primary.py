@@ -10,30 +10,27 @@ from mjforage.metrics._checks import BoolArray, FloatArray, ratio, same_shape, w
 from mjforage.metrics.events import counts_by_step
 
 
-def pta(times: ArrayLike, exists: BoolArray) -> FloatArray:
-    """Percentage of Target Achieved at the end, paper "PTA": 100 U / U_UB.
+def pta_series(times: ArrayLike, exists: BoolArray, horizon: int) -> FloatArray:
+    """Percentage of Target Achieved, paper "PTA": 100 U / U_UB, of the events up to each step.
 
     Parameters
     ----------
     times : (..., item) [step] of discovery or of collection, NaN = never
     exists : (..., item) False for padding
+    horizon : T [step]
 
     Returns
     -------
-    (...) [%], NaN where no item exists
+    (..., T + 1) [%], NaN where no item exists
 
     Raises
     ------
     ValueError
-        the shapes differ.
+        the shapes differ, or as `counts_by_step`.
     """
-    at = _existing(times, exists)
-    return ratio(100.0 * np.sum(~np.isnan(at), axis=-1), np.sum(exists, axis=-1))
-
-
-def pta_series(times: ArrayLike, exists: BoolArray, horizon: int) -> FloatArray:
-    """PTA of the events up to each step, (..., horizon + 1) [%]; else as `pta`."""
-    counts = counts_by_step(_existing(times, exists), horizon)
+    at = np.asarray(times, dtype=np.float64)
+    same_shape("times", at, "exists", np.asarray(exists))
+    counts = counts_by_step(np.where(exists, at, np.nan), horizon)
     return ratio(100.0 * counts, np.sum(exists, axis=-1)[..., None])
 
 
@@ -130,9 +127,3 @@ def irr(mean_idleness_series: ArrayLike, step: float = 1.0) -> FloatArray:
     if not step > 0:
         raise ValueError(f"step {step}: a positive time is needed")
     return -np.diff(np.asarray(mean_idleness_series, dtype=np.float64), axis=-1) / step
-
-
-def _existing(times: ArrayLike, exists: BoolArray) -> FloatArray:
-    at = np.asarray(times, dtype=np.float64)
-    same_shape("times", at, "exists", np.asarray(exists))
-    return np.where(exists, at, np.nan)

@@ -15,9 +15,6 @@ from mjforage.metrics import statistics
 from mjforage.metrics._checks import FloatArray, first, ratio
 from mjforage.metrics.resampling import RESAMPLES, percentiles, resampled
 
-_ENOUGH = 10  # episodes of which resamples say something of F
-_ROUNDING = 1e-20  # of squares of sums of floats, relative
-
 
 @dataclass(frozen=True, eq=False)
 class Line:
@@ -47,7 +44,7 @@ class TwoSegments:
     break_point : level where the segments meet, strictly inside the levels
     height : fitted performance there
     slope_before, slope_after : [performance per unit of corruption]
-    sse : sum of squared residuals; `break_test` judges whether a break is needed
+    sse : sum of squared residuals
     """
 
     break_point: FloatArray
@@ -101,83 +98,6 @@ def two_segment_fit(levels: ArrayLike, means: ArrayLike) -> TwoSegments:
     best = np.argmin(candidates[:, 4], axis=0)
     chosen = np.take_along_axis(candidates, best[None, None], axis=0)[0]
     return TwoSegments(*chosen)
-
-
-@dataclass(frozen=True)
-class BreakTest:
-    """Test whether one straight line is enough.
-
-    Attributes
-    ----------
-    f : F ratio of two joined segments against one line
-    p : probability of an F at least as large if the means lay on one line
-    """
-
-    f: float
-    p: float
-
-
-def break_test(
-    levels: ArrayLike,
-    values: ArrayLike,
-    seed: int,
-    *,
-    resamples: int = RESAMPLES,
-) -> BreakTest:
-    """Test one line against two joined segments, by resampled episodes.
-
-    F = ((sse of the line - sse of the segments) / 2) / (sse of the segments / (levels - 4)): the
-    segments have two parameters more, the break among them. F tables do not hold for it: the break
-    is searched for (Davies 1987, Biometrika 74, 33-43), and means of the same episodes at several
-    levels are not independent. So F is compared with what resampled episodes give after each level
-    was moved onto the fitted line, where the hypothesis is true (Efron and Tibshirani 1993, chapter
-    16); each resample is searched for its own break. Deviations of the episodes are widened by
-    sqrt(n / (n - 1)).
-
-    A small p says that the means are on no straight line; a smooth bend gives one too. Few episodes
-    make it small too often: of 200 straight sweeps of 21 levels each, with even, correlated or
-    skewed noise, 5 to 7 % fell below 0.05 with 100 episodes, 5 to 10 % with 20, 6 to 11 % with 10,
-    and 12 to 14 % with 5.
-
-    Parameters
-    ----------
-    levels, values, seed, resamples : as in `bootstrap_sensitivity`; episode i is the same world
-        at every level
-
-    Returns
-    -------
-    F and p; p is NaN with fewer than 10 episodes at a level, both where a line fits to rounding
-    errors
-
-    Raises
-    ------
-    ValueError
-        as `bootstrap_sensitivity`.
-    """
-    given = statistics.defined(values)
-    if given.ndim != 2:
-        raise ValueError(f"values of shape {given.shape}: (level, episode) is needed")
-    means = statistics.mean(given)
-    x, y = _checked(levels, means, at_least=5)
-    slope, intercept, sse = _line(x, y)
-    if sse <= _ROUNDING * np.sum(y**2):
-        return BreakTest(np.nan, np.nan)
-    found = float(_f_ratio(x, y))
-    n = statistics.count(given)
-    if n.min() < _ENOUGH:
-        return BreakTest(found, np.nan)
-    wider = (given - y[:, None]) * np.sqrt(n / (n - 1))[:, None]
-    straight = (intercept + slope * x)[:, None] + wider
-    drawn = _f_ratio(x, _resampled_means(straight, seed, True, resamples))
-    return BreakTest(found, float((1 + np.sum(drawn >= found)) / (1 + len(drawn))))
-
-
-def _f_ratio(x: FloatArray, y: FloatArray) -> FloatArray:
-    """F of two segments against one line, (...); 0 where the line leaves nothing."""
-    line, bent = _line(x, y)[2], two_segment_fit(x, y).sse
-    some = line > _ROUNDING * np.sum(y**2, axis=-1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(some, (line - bent) / 2 / (bent / (x.size - 4)), 0.0)
 
 
 @dataclass(frozen=True)

@@ -179,7 +179,7 @@ class Mission:
             item_xy_m=item_xy,
             item_present=now.item_node >= 0,
             collected=core.taken.copy(),
-            discovered=core.ledger.entries.t_discovered >= 0,
+            discovered=core.ledger.t_discovered >= 0,
             belief=graph.grid(core.knowledge.belief).astype(np.int16),
             legal_moves=self._legal(now.agent_node, core.energy_left).astype(np.bool_),
         )

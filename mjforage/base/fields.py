@@ -42,20 +42,16 @@ class Within(GroupedMetadata):
     unit: str = ""
 
     def __iter__(self) -> Iterator[object]:
-        yield from (Ge(self.low), Le(self.high))
+        yield from (self._least(self.low), Le(self.high))
         if self.unit:
             yield Note("unit", self.unit)
 
+    def _least(self, low: float) -> object:
+        return Ge(low)
 
-@dataclass(frozen=True)
-class Above(GroupedMetadata):
+
+class Above(Within):
     """A number above `low`, up to `high`, and its unit."""
 
-    low: float
-    high: float
-    unit: str = ""
-
-    def __iter__(self) -> Iterator[object]:
-        yield from (Gt(self.low), Le(self.high))
-        if self.unit:
-            yield Note("unit", self.unit)
+    def _least(self, low: float) -> object:
+        return Gt(low)

@@ -1,5 +1,6 @@
 """Scatter of rows: episodes of one batch replaced by those of another."""
 
+from collections.abc import Collection
 from typing import Any, TypeVar
 
 import numpy as np
@@ -29,9 +30,12 @@ def scatter_rows(
     return result
 
 
-def scatter_all(into: Arrays, rows: NDArray[np.int64], values: Arrays) -> Arrays:
-    """`scatter_rows` for every array of a named tuple."""
+def scatter_all(
+    into: Arrays, rows: NDArray[np.int64], values: Arrays, nobody: Collection[str] = ()
+) -> Arrays:
+    """`scatter_rows` for every array of a named tuple, the fields `nobody` filled with -1."""
     kind: Any = type(into)
-    both = zip(into, values, strict=True)
-    mixed: Arrays = kind(*(scatter_rows(mine, rows, theirs) for mine, theirs in both))
+    names = kind._fields
+    both = zip(names, into, values, strict=True)
+    mixed: Arrays = kind(*(scatter_rows(a, rows, b, -(name in nobody)) for name, a, b in both))
     return mixed

@@ -1,6 +1,6 @@
 """Read-only views of arrays, for policies, bounds, metrics, reward terms and encoders."""
 
-from typing import Any, ClassVar, Generic, TypeVar, cast
+from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 
@@ -25,26 +25,6 @@ def read_only(value: T) -> T:
         make = getattr(type(value), "_make", tuple)  # a named tuple's
         return cast(T, make(parts))
     return value
-
-
-class ReadOnlyViews:
-    """Base of classes that show their arrays as read-only views; a copy makes views of its own."""
-
-    _shows: ClassVar[dict[str, str]] = {}  # name of the views -> name of the arrays
-
-    def _show(self, name: str, arrays: object) -> None:
-        """Keep arrays, and show views of them by a name."""
-        setattr(self, self._shows[name], arrays)
-        setattr(self, name, read_only(arrays))
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: of for name, of in vars(self).items() if name not in self._shows}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        for name, own in self._shows.items():
-            if own in state:
-                self._show(name, state[own])
 
 
 class CachedViews(Generic[T]):

@@ -8,7 +8,6 @@ from typing import Any
 import cyclopts
 from rich.logging import RichHandler
 
-from mjforage.base.environment import library_of, refusal
 from mjforage.base.errors import UserError, printable
 from mjforage.base.interrupted import CODE as INTERRUPTED
 from mjforage.base.interrupted import WORDS
@@ -74,17 +73,15 @@ def _words(error: BaseException, arguments: Sequence[str]) -> str:
 
         where, reason = cause.filename or "a file", cause.strerror or str(cause)
         return f"{where}: {reason}; {remedy(cause)}"
-    return refusal(error)
+    return ""
 
 
 def _of_the_system(error: BaseException) -> OSError | None:
-    """An error of a file that no command names, such as a cache, or the one on which a
-    library stumbled.
-    """
+    """An error of a file that no command names, such as a cache, or the one behind an error."""
     if isinstance(error, OSError):
         return error
     before = error.__cause__ or error.__context__
-    return _of_the_system(before) if before is not None and library_of(error) else None
+    return _of_the_system(before) if before is not None else None
 
 
 def _of_an_extra(error: BaseException, arguments: Sequence[str]) -> str:

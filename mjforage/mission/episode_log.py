@@ -148,11 +148,11 @@ class EpisodeLog(Observer):
             moves is not None,
         )
         if self._linked:
-            where = mission.ledger.entries.counted_node[episodes]
+            where = mission.ledger.counted_node[episodes]
             self.item_node[episodes, mission.step[episodes]] = where
 
     def _finish(self, mission: Mission) -> None:
-        entries, self.link = mission.ledger.entries, mission.exchange.link_log
+        entries, self.link = mission.ledger, mission.exchange.link_log
         self.forecasts = mission.forecasts.sums
         self.t_discovered, self.discovered_by = entries.t_discovered, entries.discovered_by
         self.t_collected, self.collected_by = entries.t_collected, entries.collected_by

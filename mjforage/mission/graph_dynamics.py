@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
-from mjforage.base.rows import scatter_rows
+from mjforage.base.rows import scatter_all
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
@@ -99,18 +99,8 @@ class GraphDynamics:
 
     def replace_episodes(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
         """Replace episodes (row,) of the batch by those of another one; returns the new state."""
-        nobody = {"item_node", "collected_by"}
-        mine, theirs = self._state, other._state
-        self._begin(
-            Transition(
-                *(
-                    scatter_rows(
-                        getattr(mine, name), rows, getattr(theirs, name), -(name in nobody)
-                    )
-                    for name in mine._fields
-                )
-            )
-        )
+        nobody = "item_node", "collected_by"
+        self._begin(scatter_all(self._state, rows, other._state, nobody))
         self._items.replace_episodes(rows, other._items, self._state)
         return self._state
 

@@ -5,23 +5,20 @@ to counts per node; agents scan; first discoveries are credited at the scan, whi
 receives it, and a tie goes to an agent that does not collect.
 """
 
-from typing import Any, ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.rows import scatter_rows
-from mjforage.base.views import ReadOnlyViews
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.initial_state import item_places
 from mjforage.mission.knowledge import Knowledge, Scans
-from mjforage.mission.task import Task
 
 
-class Entries(NamedTuple):
-    """The arrays of a ledger. Steps are -1 for never, agents -1 for none."""
+class Ledger(NamedTuple):
+    """The ledger of a batch of episodes. Steps are -1 for never, agents -1 for none."""
 
     places: NDArray[np.int64]  # (episode,) see `item_places`
     truth: NDArray[np.int16]  # (episode, node) items
@@ -31,6 +28,26 @@ class Entries(NamedTuple):
     t_collected: NDArray[np.int16]  # (episode, item) [step]
     collected_by: NDArray[np.int16]  # (episode, item) agent
 
+    @classmethod
+    def of(cls, item_node: Int32Array, nodes: int) -> "Ledger":
+        """A ledger before the scan of step 0.
+
+        Parameters
+        ----------
+        item_node : (episode, item) at step 0, -1 for padding
+        nodes : of the map
+        """
+        items = item_node.shape
+        return cls(
+            places=item_places(item_node),
+            truth=np.zeros((items[0], nodes), np.int16),
+            counted_node=np.full(items, -1, np.int32),
+            t_discovered=np.full(items, -1, np.int16),
+            discovered_by=np.full(items, -1, np.int16),
+            t_collected=np.full(items, -1, np.int16),
+            collected_by=np.full(items, -1, np.int16),
+        )
+
 
 @kernel
 def count(
@@ -38,7 +55,7 @@ def count(
     step: Int32Array,
     item_node: Int32Array,
     taken_by: NDArray[np.int16],
-    entries: Entries,
+    ledger: Ledger,
 ) -> None:
     """Discretise to counts, and note collections; an item collected unseen counts as discovered.
 
@@ -47,9 +64,9 @@ def count(
     item_node : (episode, item) node of each item, -1 once removed
     taken_by : (episode, item) agent that removed it, -1 none
     """
-    places, truth, counted_node = entries.places, entries.truth, entries.counted_node
-    t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
-    t_collected, collected_by = entries.t_collected, entries.collected_by
+    places, truth, counted_node = ledger.places, ledger.truth, ledger.counted_node
+    t_discovered, discovered_by = ledger.t_discovered, ledger.discovered_by
+    t_collected, collected_by = ledger.t_collected, ledger.collected_by
     for e in range(active.size):
         if not active[e]:
             continue
@@ -77,7 +94,7 @@ def credit(
     radius_number: NDArray[np.int64],
     in_view: NDArray[np.bool_],
     found: Int32Array,
-    entries: Entries,
+    ledger: Ledger,
 ) -> None:
     """Credit each item's first sighting to the first agent in order that has it in view.
 
@@ -89,9 +106,9 @@ def credit(
     """
     active, step, agent_node = scans.active, scans.step, scans.agent_node
     known, n_known, last_seen = knowledge.known, knowledge.n_known, knowledge.last_seen
-    start, nodes, counted_node = views.start, views.nodes, entries.counted_node
-    places = entries.places
-    t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
+    start, nodes, counted_node = views.start, views.nodes, ledger.counted_node
+    places = ledger.places
+    t_discovered, discovered_by = ledger.t_discovered, ledger.discovered_by
     for e in range(active.size):
         if not active[e]:
             continue
@@ -117,48 +134,3 @@ def credit(
                         discovered_by[e, k_found] = agent
         for i in range(n_known[e]):
             in_view[np.uint64(known[e, i])] = False
-
-
-class Ledger(ReadOnlyViews):
-    """The ledger of a batch of episodes; `SensingUpdate` changes its arrays, see `Entries`."""
-
-    entries: Entries
-    _entries: Entries
-    _shows: ClassVar = {"entries": "_entries"}
-
-    def __init__(self, task: Task) -> None:
-        self._nodes = len(task.graph)
-
-    def open(self) -> Entries:
-        """The arrays for the lookout, which alone writes to them."""
-        return self._entries
-
-    def reset(self, item_node: Int32Array) -> None:
-        """Start a batch of episodes; the scan of step 0 comes next.
-
-        Parameters
-        ----------
-        item_node : (episode, item) at step 0, -1 for padding
-        """
-        items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
-        entries = Entries(
-            places=item_places(item_node),
-            truth=np.zeros(nodes, np.int16),
-            counted_node=np.full(items, -1, np.int32),
-            t_discovered=np.full(items, -1, np.int16),
-            discovered_by=np.full(items, -1, np.int16),
-            t_collected=np.full(items, -1, np.int16),
-            collected_by=np.full(items, -1, np.int16),
-        )
-        self._show("entries", entries)
-
-    def replace_episodes(self, rows: NDArray[np.int64], other: "Ledger") -> None:
-        """Replace episodes (row,) of the batch by those of another ledger."""
-        mine, theirs = self._entries, other._entries
-        mixed: dict[str, Any] = {  # `truth` is filled with 0, others with nobody, nowhere and never
-            name: scatter_rows(
-                getattr(mine, name), rows, getattr(theirs, name), (name == "truth") - 1
-            )
-            for name in mine._fields
-        }
-        self._show("entries", Entries(**mixed))

@@ -6,7 +6,6 @@ Decide -> move -> collect -> drift -> see -> tell -> log.
 from collections.abc import Sequence
 from dataclasses import replace
 from operator import attrgetter
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array, episode_keys
 from mjforage.base.rows import scatter_all, scatter_rows
-from mjforage.base.views import CachedViews, ReadOnlyViews, read_only, view_of
+from mjforage.base.views import CachedViews, read_only, view_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.dynamics import Dynamics, Transition, goes_on, mean_drift, taken_by
 from mjforage.mission.exchange import Exchange
@@ -36,29 +35,19 @@ _ONE = np.ones(1, np.int32)
 _KNOWN = attrgetter(*Observation._fields[3:14])  # of knowledge
 
 
-class Mission(ReadOnlyViews):
+class Mission:
     """A batch of episodes of one scenario in one world; one episode is a batch of one.
 
     Its arrays are live, and only the mission can write to them.
 
     Attributes
     ----------
-    ledger : Ledger, the truth and its history
-    knowledge : Knowledge, common to the fleet: one row per episode
     exchange : Exchange, with the knowledge of the belief owners
     task : Task, the policies' part of the scenario
-    state : Transition, with the true positions
     step : (episode,) int32 decisions made
     active : (episode,) bool, False once an episode is over
-    moves : Moves of the last decision; None before the first
     forecasts : calibration sums of the policy's forecasts, if it makes any
     """
-
-    state: Transition
-    knowledge: Knowledge
-    _state: Transition
-    _knowledge: Knowledge
-    _shows: ClassVar = {"state": "_state", "knowledge": "_knowledge"}
 
     def __init__(
         self, setup: Setup, dynamics: Dynamics | None = None, exchange: Exchange | None = None
@@ -85,9 +74,9 @@ class Mission(ReadOnlyViews):
         pickup = read_only(dynamics.pickup)
         self._asked = "policy"  # who answered last, for messages
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
-        self.ledger = Ledger(self.task)
         self._dynamics = dynamics
-        self._lent_held = CachedViews[Knowledge]()
+        self._state_views, self._ledger_views = CachedViews[Transition](), CachedViews[Ledger]()
+        self._common_views, self._owner_views = CachedViews[Knowledge](), CachedViews[Knowledge]()
         self._views, self._radius_number = self.task.views, self.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
         self._endless = bool(np.isinf(setup.fleet.energy).all())
@@ -116,20 +105,20 @@ class Mission(ReadOnlyViews):
         self.keys = read_only(keys)
         self.initial = self.setup.create_initial_state(self.keys)
         names = names or [f"key {key}" for key in keys]
-        self._show("state", self._dynamics.reset(self.initial, self.keys, names))
+        self._state = self._dynamics.reset(self.initial, self.keys, names)
         self._begin_step(np.zeros(keys.size, np.int32))
         self.active = read_only(np.ones(keys.size, np.bool_))
         self._moves: Moves | None = None
-        self.ledger.reset(self._state.item_node)
+        self._ledger = Ledger.of(self._state.item_node, len(self.setup.graph))
         self._fill_stores()
         sensors = self.setup.scenario.sensors
         self._shown = no_shown(self.task, keys.size, sensors.perfect)
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
-        self._show("knowledge", Knowledge.of_starts(self._scans(), len(self.setup.graph)))
+        self._knowledge = Knowledge.of_starts(self._scans(), len(self.setup.graph))
         self._renew_sensing_update()
         self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
         self._acting = read_only(np.tile(self._agent_of_owner(), keys.size))
-        self._held_keys = read_only(np.repeat(self.keys, self.exchange.owners))
+        self._owner_keys = read_only(np.repeat(self.keys, self.exchange.owners))
         self._nobody = read_only(np.full(keys.size, -1, np.int32))
         self._no_delayed = read_only(no_delayed_scans(keys.size))
         self.forecasts = Forecasts(keys.size)
@@ -148,7 +137,7 @@ class Mission(ReadOnlyViews):
             active=self.active,
             step=self.step,
             agent_node=self._state.agent_node,
-            sighted=self.ledger.open().truth,
+            sighted=self._ledger.truth,
             shown=self._shown,
             energy_left=self.energy_left,
             room_left=self.room_left,
@@ -165,12 +154,27 @@ class Mission(ReadOnlyViews):
 
     def _renew_sensing_update(self) -> None:
         about = self.task, self.setup.scenario.sensors, self.keys
-        kept = self.ledger.open(), self._knowledge, self._filtered
-        self._sensing_update = SensingUpdate(*about, *kept)
+        changed = self._ledger, self._knowledge, self._filtered
+        self._sensing_update = SensingUpdate(*about, *changed)
 
     def _begin_step(self, step: Int32Array) -> None:
         """Set (episode,) the steps made so far, and that to be decided next."""
         self.step, self._next_step = view_of(step), view_of(step + _ONE)
+
+    @property
+    def state(self) -> Transition:
+        """The true positions."""
+        return self._state_views.of(self._state)
+
+    @property
+    def ledger(self) -> Ledger:
+        """The truth and its history."""
+        return self._ledger_views.of(self._ledger)
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """Knowledge common to the fleet: one row per episode."""
+        return self._common_views.of(self._knowledge)
 
     @property
     def moves(self) -> Moves | None:
@@ -186,9 +190,10 @@ class Mission(ReadOnlyViews):
         assert isinstance(self._dynamics, GraphDynamics) and isinstance(
             other._dynamics, GraphDynamics
         )
-        self._show("state", self._dynamics.replace_episodes(rows, other._dynamics))
-        self.ledger.replace_episodes(rows, other.ledger)
-        self._show("knowledge", scatter_all(self._knowledge, rows, other._knowledge))
+        self._state = self._dynamics.replace_episodes(rows, other._dynamics)
+        nobody = set(Ledger._fields) - {"truth"}
+        self._ledger = scatter_all(self._ledger, rows, other._ledger, nobody)
+        self._knowledge = scatter_all(self._knowledge, rows, other._knowledge)
         self.exchange.replace_episodes(rows, other.exchange, self._knowledge)
         self._shown = scatter_rows(self._shown, rows, other._shown)
         self.forecasts.replace_episodes(rows, other.forecasts)
@@ -196,7 +201,7 @@ class Mission(ReadOnlyViews):
         self._begin_step(scatter_rows(self.step, rows, other.step))
         self.keys = read_only(scatter_rows(self.keys, rows, other.keys))
         self.active = read_only(scatter_rows(self.active, rows, other.active))
-        self._held_keys = read_only(np.repeat(self.keys, self.exchange.owners))
+        self._owner_keys = read_only(np.repeat(self.keys, self.exchange.owners))
         self._renew_sensing_update()
 
     @property
@@ -235,10 +240,10 @@ class Mission(ReadOnlyViews):
         return self._observed(self.knowledge, self._no_delayed, 1)
 
     @property
-    def held(self) -> Observation:
+    def owner_observation(self) -> Observation:
         """Knowledge of the owners before the next decision: (episode x owner) rows."""
         exchange = self.exchange
-        knowledge = self._lent_held.of(exchange.knowledge)
+        knowledge = self._owner_views.of(exchange.knowledge)
         return self._observed(knowledge, exchange.delayed, exchange.owners)
 
     def _observed(self, knowledge: Knowledge, delayed: DelayedScans, owners: int) -> Observation:
@@ -246,7 +251,7 @@ class Mission(ReadOnlyViews):
         active, step, keys = self.active, self._next_step, self.keys
         if owners > 1:
             active, step = (read_only(np.repeat(each, owners)) for each in (active, step))
-            keys = self._held_keys
+            keys = self._owner_keys
         owner = self._acting if owners > 1 else self._nobody
         known = _KNOWN(knowledge)
         return Observation._make((active, step, keys, *known, delayed.scans, delayed.shown, owner))
@@ -309,10 +314,10 @@ class Mission(ReadOnlyViews):
             truth = self.truth
             rows = truth if owners == 1 else (np.repeat(a, owners, 0) for a in truth)
             set_ground_truth(read_only(GroundTruth._make(rows)))
-        answer = policy.act(self.held if decentralised else self.observation)
+        answer = policy.act(self.owner_observation if decentralised else self.observation)
         forecast = getattr(policy, "forecast", None)
         if forecast is not None:
-            self.forecasts.take(forecast(), self.ledger.open().truth, self.active, who)
+            self.forecasts.take(forecast(), self._ledger.truth, self.active, who)
         check_preferences(answer, (self.keys.size * owners, owner_of.size), who)
         if owners == 1:
             return answer
@@ -348,9 +353,7 @@ class Mission(ReadOnlyViews):
         """
         self._moves = self.decide(preferences)
         self._begin_step(self.step + self.active)
-        state = self._dynamics.advance(self.active, self.step, self._moves)
-        if state is not self._state:
-            self._show("state", state)
+        self._state = self._dynamics.advance(self.active, self.step, self._moves)
         self.exchange.update(self._see(), self._knowledge)
         item_node = np.ascontiguousarray(self._state.item_node, np.int32)
         self.active = view_of(self._go_on(self.active, self.step, item_node))

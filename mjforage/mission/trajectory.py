@@ -1,11 +1,18 @@
-"""Places of bodies from frame to frame of one episode, for replays."""
+"""Places of bodies from frame to frame of one episode, for recordings."""
 
-from typing import TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Scalar = TypeVar("Scalar", bound=np.generic)
+
+class Frames(NamedTuple):
+    """Frames of an episode."""
+
+    pose: NDArray[np.float32]  # (frame, agent, 3) x, y [m], yaw [rad]
+    items: NDArray[np.float32]  # (frame, item, 2) x, y [m]
+    present: NDArray[np.bool_]  # (frame, item) False once removed
+    wind: NDArray[np.float32]  # (frame, 2) over ground [m/s]
 
 
 class TrajectoryRecorder:
@@ -22,10 +29,7 @@ class TrajectoryRecorder:
     def start(self, interval_s: float) -> None:
         """Begin anew, with a frame every `interval_s` seconds."""
         self.interval_s = interval_s
-        self._pose: list[NDArray[np.float32]] = []
-        self._items: list[NDArray[np.float32]] = []
-        self._present: list[NDArray[np.bool_]] = []
-        self._wind: list[NDArray[np.float32]] = []
+        self._parts: list[Frames] = []
 
     def record(
         self,
@@ -34,42 +38,13 @@ class TrajectoryRecorder:
         present: NDArray[np.bool_],
         wind: NDArray[np.float64],
     ) -> None:
-        """Take a frame.
-
-        Parameters
-        ----------
-        pose : (agent, 3) x, y [m], yaw [rad]
-        items : (item, 2) x, y [m]
-        present : (item,) False once removed
-        wind : (2,) over ground [m/s]
-        """
-        self._pose.append(pose.astype(np.float32)[None])
-        self._items.append(items.astype(np.float32)[None])
-        self._present.append(present.copy()[None])
-        self._wind.append(wind.astype(np.float32)[None])
+        """Take a frame, of the shapes of `Frames` without the first axis."""
+        kinds = np.float32, np.float32, np.bool_, np.float32
+        frame = zip((pose, items, present, wind), kinds, strict=True)
+        self._parts.append(Frames(*(part[None].astype(kind) for part, kind in frame)))
 
     @property
-    def pose(self) -> NDArray[np.float32]:
-        """(frame, agent, 3) x, y [m], yaw [rad]."""
-        return _joined(self._pose)
-
-    @property
-    def items(self) -> NDArray[np.float32]:
-        """(frame, item, 2) [m]."""
-        return _joined(self._items)
-
-    @property
-    def present(self) -> NDArray[np.bool_]:
-        """(frame, item) False once removed."""
-        return _joined(self._present)
-
-    @property
-    def wind(self) -> NDArray[np.float32]:
-        """(frame, 2) [m/s]."""
-        return _joined(self._wind)
-
-
-def _joined(parts: list[NDArray[Scalar]]) -> NDArray[Scalar]:
-    """All frames as one array, which replaces them: asking after every step copies once."""
-    parts[:] = [np.concatenate(parts)]
-    return parts[0]
+    def frames(self) -> Frames:
+        """All frames. They replace what was recorded: asking after every step copies once."""
+        self._parts = [Frames(*map(np.concatenate, zip(*self._parts, strict=True)))]
+        return self._parts[0]

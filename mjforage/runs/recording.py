@@ -65,7 +65,7 @@ def record(
     mission.reset(seed, np.array([episode], np.int64))
     by_agent = KnowledgeRecorder() if mission.exchange.link_log is not None else None
     mission.run(create_policy(policy), (recorder, *((by_agent,) if by_agent else ())))
-    choice = setup.scenario.physics
+    choice, frames = setup.scenario.physics, trajectory.frames
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Recording(
         navigable=setup.grid.navigable,
@@ -84,14 +84,14 @@ def record(
         vessels=hull_names(setup.fleet, choice),
         item_class=classes[0].astype(np.int16),
         frame_s=trajectory.interval_s,
-        track_pose=trajectory.pose,
-        track_items=trajectory.items,
-        track_present=trajectory.present,
-        track_wind=trajectory.wind,
+        track_pose=frames.pose,
+        track_items=frames.items,
+        track_present=frames.present,
+        track_wind=frames.wind,
         world=world,
         policy=policy,
         seed=seed,
         episode=episode,
-        t_discovered=mission.ledger.entries.t_discovered[0],
+        t_discovered=mission.ledger.t_discovered[0],
         held=by_agent.held(mission) if by_agent else None,
     )

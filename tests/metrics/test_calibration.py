@@ -23,17 +23,10 @@ def test_four_forecasts_by_hand() -> None:
     assert metrics.base_rate(FOUR) == 0.25
     assert metrics.brier(FOUR) == pytest.approx((0.0225 + 0.7225 + 0.0625 + 0.0625) / 4)
     assert metrics.reliability(FOUR) == pytest.approx((0.35**2 + 0.25**2) / 2)
-    assert metrics.resolution(FOUR) == pytest.approx((0.25**2 + 0.25**2) / 2)
     assert metrics.calibration_error(FOUR) == pytest.approx((0.35 + 0.25) / 2)
     assert metrics.brier_skill(FOUR) == pytest.approx(1.0 - 0.2175 / 0.1875)
     apart = sums((0.85, 0), (0.25, 1))
     assert metrics.calibration_error(apart) == pytest.approx((0.85 + 0.75) / 2), "both ways"
-
-
-def test_murphys_parts_add_up() -> None:
-    """Exactly, where the forecasts of a bin are one number."""
-    whole = metrics.reliability(FOUR) - metrics.resolution(FOUR) + 0.25 * 0.75
-    assert metrics.brier(FOUR) == pytest.approx(whole)
 
 
 def test_calibrated_forecasts_have_no_error_and_sure_ones_no_score() -> None:

@@ -1,7 +1,5 @@
 """Paired difference and probability of improvement against hand-made pairs and scipy."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -41,49 +39,24 @@ def test_paired_difference_agrees_with_scipy() -> None:
 def test_improvement_by_hand() -> None:
     # X = 1, 3 against Y = 1, 2: (1, 1) ties, (1, 2) loses, (3, 1) and (3, 2) win:
     # (0.5 + 0 + 1 + 1) / 4 = 0.625.
-    better = probability_of_improvement([1.0, 3.0, NAN], [1.0, 2.0], seed=0)
-    assert better.value == 0.625
-    np.testing.assert_array_equal([better.n_x, better.n_y], 2)
+    better = probability_of_improvement([1.0, 3.0, NAN], [1.0, 2.0])
+    assert better == 0.625
 
 
 def test_improvement_with_nothing_to_compare() -> None:
-    better = probability_of_improvement([[NAN, NAN], [1.0, NAN]], [[1.0], [2.0]], seed=0)
-    np.testing.assert_array_equal(better.value, [NAN, 0.0])
-    np.testing.assert_array_equal(better.low, [NAN, NAN])
+    better = probability_of_improvement([[NAN, NAN], [1.0, NAN]], [[1.0], [2.0]])
+    np.testing.assert_array_equal(better, [NAN, 0.0])
 
 
 @given(SMALL, SMALL)
 def test_improvement_is_the_share_of_pairs(x: list[int], y: list[int]) -> None:
-    value = probability_of_improvement(x, y, seed=0, resamples=5).value
+    value = probability_of_improvement(x, y)
     u = stats.mannwhitneyu(x, y, method="asymptotic").statistic
     np.testing.assert_allclose(value, u / (len(x) * len(y)))
-    turned = probability_of_improvement(y, x, seed=0, resamples=5).value
+    turned = probability_of_improvement(y, x)
     np.testing.assert_allclose(value + turned, 1.0)
-    stretched = probability_of_improvement(np.exp(x), np.exp(y), seed=0, resamples=5).value
+    stretched = probability_of_improvement(np.exp(x), np.exp(y))
     assert stretched == value
-
-
-def test_improvement_interval_agrees_with_scipy() -> None:
-    rng = np.random.default_rng(3)
-    # In order and of one length, so that drawing both sides alike would show.
-    x, y = np.sort(rng.integers(0, 12, 40) + 2.0), np.sort(rng.integers(0, 12, 40) + 0.0)
-
-    def share(a: Any, b: Any, axis: int = -1) -> Any:
-        return (np.sign(a[..., :, None] - b[..., None, :]) / 2 + 0.5).mean(axis=(-1, -2))
-
-    ours = probability_of_improvement(x, y, seed=4, resamples=10_000)
-    theirs = stats.bootstrap(
-        (x, y),
-        share,
-        n_resamples=10_000,
-        batch=500,
-        method="percentile",
-        rng=np.random.default_rng(2),
-    )
-    np.testing.assert_allclose(ours.value, share(x, y))
-    tolerance = 0.08 * float(theirs.standard_error)
-    np.testing.assert_allclose(ours.low, theirs.confidence_interval.low, atol=tolerance)
-    np.testing.assert_allclose(ours.high, theirs.confidence_interval.high, atol=tolerance)
 
 
 def test_a_paired_difference_has_the_statistic_strata_and_level_asked_for() -> None:
@@ -97,17 +70,11 @@ def test_a_paired_difference_has_the_statistic_strata_and_level_asked_for() -> N
     assert wide.low < narrow.low < narrow.high < wide.high
 
 
-def test_an_improvement_has_the_level_asked_for() -> None:
-    x, y = np.random.default_rng(2).normal(size=(2, 20))
-    wide, narrow = (probability_of_improvement(x, y, 0, level=one) for one in (0.95, 0.5))
-    assert wide.low < narrow.low < narrow.high < wide.high
-
-
 def test_rejects() -> None:
     with pytest.raises(ValueError, match="x has shape"):
         paired_difference([1.0, 2.0], [1.0], seed=0)
     with pytest.raises(ValueError, match="leading axes"):
-        probability_of_improvement(np.zeros((2, 3)), np.zeros((3, 3)), seed=0)
+        probability_of_improvement(np.zeros((2, 3)), np.zeros((3, 3)))
     with pytest.raises(ValueError, match="resamples 0"):
         probability_of_improvement([1.0, 2.0], [1.0, 2.0], seed=0, resamples=0)
     with pytest.raises(ValueError, match="level 2"):

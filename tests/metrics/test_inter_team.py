@@ -9,9 +9,7 @@ from hypothesis import strategies as st
 
 from mjforage.metrics import (
     EventTable,
-    csr,
     csr_series,
-    dsl,
     itl,
     itl_level,
     mean_dsl,
@@ -34,14 +32,12 @@ EPISODE = EventTable(
 
 def test_dsl_by_hand() -> None:
     # (4 - 1) / 10 and (7 - 2) / 10; item 2 was no scout's, item 3 was never collected.
-    np.testing.assert_allclose(dsl(EPISODE, SCOUTS, 10), [0.3, 0.5, NAN, NAN, NAN])
     np.testing.assert_allclose(mean_dsl(EPISODE, SCOUTS, 10), 0.4)
     assert np.isnan(mean_dsl(EPISODE, [], 10))
 
 
 def test_csr_by_hand() -> None:
     # Collected: items 0, 1, 2; two of the three were found by scouts.
-    np.testing.assert_allclose(csr(EPISODE, SCOUTS), 2 / 3)
     # Nothing until step 3; items 0 and 2 at 4: one of two; item 1 at 7: two of three.
     expected = [NAN] * 4 + [1 / 2] * 3 + [2 / 3] * 4
     np.testing.assert_allclose(csr_series(EPISODE, SCOUTS, 10), expected)
@@ -55,12 +51,11 @@ def test_csr_is_undefined_with_nothing_collected() -> None:
         collected_by=np.full(5, -1),
         exists=EPISODE.exists,
     )
-    assert np.isnan(csr(untouched, SCOUTS))
     assert np.isnan(csr_series(untouched, SCOUTS, 10)).all()
 
 
 def test_csr_is_0_without_scouts() -> None:
-    assert csr(EPISODE, []) == 0.0
+    assert csr_series(EPISODE, [], 10)[-1] == 0.0
 
 
 @pytest.mark.parametrize(
@@ -74,14 +69,14 @@ def test_csr_is_0_without_scouts() -> None:
     ],
 )
 def test_bad_scouts_are_rejected(scouts: Any, message: str) -> None:
-    for metric in (csr, lambda events, team: dsl(events, team, 10)):
+    for metric in (csr_series, mean_dsl):
         with pytest.raises(ValueError, match=message):
-            metric(EPISODE, scouts)
+            metric(EPISODE, scouts, 10)
 
 
 def test_bad_horizon_is_rejected() -> None:
     with pytest.raises(ValueError, match="horizon 0"):
-        dsl(EPISODE, SCOUTS, 0)
+        mean_dsl(EPISODE, SCOUTS, 0)
 
 
 def test_itl_by_hand() -> None:

@@ -14,7 +14,6 @@ from mjforage.metrics import (
     coverage_overlap,
     gini,
     marginal_contribution,
-    team_gini,
     team_gini_series,
 )
 
@@ -59,7 +58,6 @@ def test_team_gini_by_hand() -> None:
     by = np.array([2, 3, 2, 2, -1])
     times = np.array([1.0, 3.0, 3.0, 4.0, NAN])
     np.testing.assert_array_equal(contributions(by, [3, 2]), [1, 3])
-    assert team_gini(by, [2, 3]) == 0.25
     # t = 0 nothing; 1 and 2: (1, 0) -> 1/2; 3: (2, 1) -> 2 / (2 x 4 x 1.5) = 1/6; 4: 1/4.
     series = team_gini_series(times, by, [2, 3], 4)
     np.testing.assert_allclose(series, [NAN, 1 / 2, 1 / 2, 1 / 6, 1 / 4])
@@ -68,7 +66,6 @@ def test_team_gini_by_hand() -> None:
 def test_gini_of_nobody_is_undefined() -> None:
     by = np.array([[0, 1], [-1, -1]])
     assert contributions(by, []).shape == (2, 0)
-    assert np.isnan(team_gini(by, [])).all()
     assert np.isnan(team_gini_series(np.ones((2, 2)), by, [], 3)).all()
 
 
@@ -84,19 +81,6 @@ def test_gini_of_nobody_is_undefined() -> None:
 def test_team_gini_rejects(times: Any, agents: list[int], horizon: int, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         team_gini_series(times, np.array([0, 1]), agents, horizon)
-
-
-@given(SEEDS)
-def test_team_gini_series_ends_at_the_final_value(random_events: Build, seed: int) -> None:
-    events = random_events(seed)
-    team = [1, 2, 4]
-    series = team_gini_series(events.collected_at, events.collected_by, team, 30)
-    np.testing.assert_array_equal(series[:, -1], team_gini(events.collected_by, team))
-    np.testing.assert_array_equal(
-        team_gini(events.collected_by, team[::-1]), team_gini(events.collected_by, team)
-    )
-    whole_fleet = contributions(events.collected_by, range(5)).sum(axis=-1)
-    np.testing.assert_array_equal(whole_fleet, (~np.isnan(events.collected_at)).sum(axis=-1))
 
 
 def test_coverage_overlap_by_hand() -> None:

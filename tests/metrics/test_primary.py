@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mjforage.metrics import EventTable, irr, mean_idleness, nt, pta, pta_series, throughput
+from mjforage.metrics import EventTable, irr, mean_idleness, nt, pta_series, throughput
 
 NAN = np.nan
 SEEDS = st.integers(0, 10_000)
@@ -18,7 +18,6 @@ def test_pta_by_hand() -> None:
     # 2 of 5 existing items: 40 %; the sixth is padding. The other episode has no item.
     times = np.array([[1.0, NAN, 3.0, NAN, NAN, NAN], [NAN] * 6])
     exists = np.array([[True] * 5 + [False], [False] * 6])
-    np.testing.assert_array_equal(pta(times, exists), [40.0, NAN])
     # Steps 0..4: none, one of five, one, two, two.
     expected = [[0.0, 20.0, 20.0, 40.0, 40.0], [NAN] * 5]
     np.testing.assert_array_equal(pta_series(times, exists, 4), expected)
@@ -26,7 +25,7 @@ def test_pta_by_hand() -> None:
 
 def test_pta_rejects_other_shape() -> None:
     with pytest.raises(ValueError, match="times has shape"):
-        pta(np.zeros((2, 3)), np.ones((3, 2), dtype=bool))
+        pta_series(np.zeros((2, 3)), np.ones((3, 2), dtype=bool), 4)
 
 
 def test_nt_by_hand() -> None:

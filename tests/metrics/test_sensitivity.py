@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import optimize, stats
 
-from mjforage.metrics import bootstrap_sensitivity, break_test, sensitivity_slope, two_segment_fit
+from mjforage.metrics import bootstrap_sensitivity, sensitivity_slope, two_segment_fit
 
 LEVELS = np.linspace(0.0, 1.0, 21)  # the paper's eps: 0 to 1 by 0.05
 SEEDS = st.integers(0, 10_000)
@@ -115,99 +115,6 @@ def test_bootstrap_leaves_undefined_episodes_out() -> None:
 def test_a_single_episode_has_no_interval() -> None:
     found = bootstrap_sensitivity(LEVELS, np.linspace(1.0, 0.0, len(LEVELS))[:, None], 0)
     assert np.isnan([*found.slope, *found.break_point]).all()
-
-
-def episodes_about(curve: Any, seed: int, *, episodes: int = 40, noise: float = 6.0) -> Any:
-    """Paired curves: each episode has its own height and slope, and neighbours' noise is alike."""
-    rng = np.random.default_rng(seed)
-    luck = rng.normal(scale=20.0, size=episodes) + np.outer(LEVELS, rng.normal(0, 10, episodes))
-    walk = rng.normal(size=(len(LEVELS), episodes))
-    for place in range(1, len(LEVELS)):
-        walk[place] = 0.6 * walk[place - 1] + 0.8 * walk[place]
-    return curve[:, None] + luck + noise * (0.5 + LEVELS)[:, None] * walk
-
-
-STRAIGHT = 95.0 - 40.0 * LEVELS
-BENT = 95.0 - 4.0 * LEVELS - 60.0 * np.maximum(LEVELS - 0.6, 0.0)
-
-
-def test_f_by_hand() -> None:
-    # Levels 0 to 4, means 0, 0, 0, 1, 3: the line has slope 0.7, intercept -0.6 and squared
-    # residuals 0.36 + 0.01 + 0.64 + 0.25 + 0.64 = 1.9. Of two segments the lines 0 through the
-    # first three and 2 x - 5 through the last two meet at 2.5, with none left: F is infinite.
-    # With 0.1 added to the second mean, lines 0.0333 and 2 x - 5 meet at 2.52; sse 0.1^2 x 2 / 3.
-    # The line's slope is then 0.69, intercept -0.56, sse 0.3136 + 0.0009 + 0.6724 + 0.2601 + 0.64
-    # = 1.887; F = ((1.887 - 0.006667) / 2) / (0.006667 / 1) = 141.025.
-    values = np.repeat([[0.0], [0.1], [0.0], [1.0], [3.0]], 2, axis=1)
-    assert break_test(np.arange(5.0), values, 0, resamples=10).f == pytest.approx(141.025)
-
-
-def test_a_break_is_told_from_one_line() -> None:
-    found = [break_test(LEVELS, episodes_about(BENT, s), s, resamples=200).p for s in range(30)]
-    assert max(found) < 0.02
-
-
-def test_one_line_is_called_broken_as_often_as_the_level_says() -> None:
-    """Of 200 straight sweeps one in twenty has p < .05, within three standard deviations."""
-    p = np.array(
-        [break_test(LEVELS, episodes_about(STRAIGHT, s), s, resamples=100).p for s in range(200)]
-    )
-    for level in (0.05, 0.25, 0.5):
-        assert abs(np.mean(p < level) - level) < 3.0 * np.sqrt(level * (1.0 - level) / p.size)
-
-
-def left_over(*terms: Any) -> Any:
-    """Matrix that takes a curve to what a least-squares fit of these terms leaves of it."""
-    q, _ = np.linalg.qr(np.stack(terms, axis=1))
-    return np.eye(len(q)) - q @ q.T
-
-
-def plain_break_p(x: Any, values: Any, seed: int, resamples: int) -> float:
-    """As the docstring says, resample by resample, the break searched for on a fine grid."""
-    one, n, means = np.ones_like(x), (~np.isnan(values)).sum(axis=1), np.nanmean(values, axis=1)
-    grid = np.linspace(x[0], x[-1], 501)[1:-1]
-    bent = np.stack([left_over(one, x, np.maximum(x - at, 0.0)) for at in grid])
-
-    def f(y: Any) -> float:
-        least = np.einsum("i,kij,j->k", y, bent, y).min()
-        return float((y @ left_over(one, x) @ y - least) / 2 / (least / (x.size - 4)))
-
-    straight = np.polyval(np.polyfit(x, means, 1), x)
-    wider = (values - means[:, None]) * np.sqrt(n / (n - 1.0))[:, None]
-    episodes = values.shape[1]
-    picks = np.random.default_rng(seed).integers(episodes, size=(resamples, episodes))
-    as_large = [f(straight + np.nanmean(wider[:, pick], axis=1)) >= f(means) for pick in picks]
-    return (1 + sum(as_large)) / (1 + resamples)
-
-
-def test_p_by_hand_where_a_level_has_few_episodes() -> None:
-    """Narrowed deviations, or such as they are, come to 2 to 5 resamples more of 400."""
-    for seed in range(3):
-        values = np.random.default_rng(seed).normal(size=(6, 60))
-        values[2] *= 6.0
-        values[2, 10:] = np.nan
-        found = break_test(np.arange(6.0), values, seed, resamples=400).p
-        assert found == pytest.approx(plain_break_p(np.arange(6.0), values, seed, 400), abs=1e-12)
-
-
-def test_few_noisy_episodes_prove_no_break() -> None:
-    found = [
-        break_test(LEVELS, episodes_about(BENT, s, noise=200.0), s, resamples=200) for s in range(9)
-    ]
-    assert np.mean([one.p < 0.05 for one in found]) < 0.5
-
-
-def test_what_cannot_be_tested_is_undefined() -> None:
-    few = break_test(LEVELS, episodes_about(BENT, 0, episodes=9), 0, resamples=100)
-    assert np.isfinite(few.f)
-    assert np.isnan(few.p)
-    assert break_test(LEVELS, episodes_about(BENT, 0, episodes=10), 0, resamples=100).p < 0.05
-    exact = break_test(LEVELS, np.repeat(STRAIGHT[:, None], 5, axis=1), 0)
-    assert np.isnan([exact.f, exact.p]).all()
-    with pytest.raises(ValueError, match="at least 5"):
-        break_test(LEVELS[:4], np.zeros((4, 3)), 0)
-    with pytest.raises(ValueError, match=r"\(level, episode\)"):
-        break_test(LEVELS, np.zeros(21), 0)
 
 
 def test_bootstrap_rejects() -> None:

@@ -174,7 +174,7 @@ class EnvironmentCore:
 
         Every agent sees its own knowledge: over a link, what it has seen and received itself.
         """
-        exchange, held = self.mission.exchange, self.mission.held
+        exchange, held = self.mission.exchange, self.mission.owner_observation
         if exchange.owners == 1:
             return self._encoder.see(held, envs)
         rows = (envs[:, None] * exchange.owners + np.arange(exchange.owners)).reshape(-1)
@@ -186,7 +186,7 @@ class EnvironmentCore:
 
     def facts(self) -> dict[str, NDArray[Any]]:
         """Steps (env,) made, and shares (env,) of items discovered and removed so far [%]."""
-        entries, shares = self.mission.ledger.entries, {}
+        entries, shares = self.mission.ledger, {}
         for name, when in (("pta_d", entries.t_discovered), ("pta_c", entries.t_collected)):
             shares[name] = self._share_happened(when, self.n_items)
         return {"step": self.mission.step.astype(np.int64), **shares}

@@ -65,7 +65,7 @@ class EpisodeFigure:
             episode=episodes.number,
             agent_rc=self._agent_rc[: self._step + 1],
             item_present=self._present[: self._step + 1],
-            t_discovered=core.mission.ledger.entries.t_discovered[self._env, self._items],
+            t_discovered=core.mission.ledger.t_discovered[self._env, self._items],
             **self._present_fields(core.mission),
             **self._frames(core),
         )

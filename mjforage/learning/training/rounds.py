@@ -121,7 +121,7 @@ class Round:
     def collected(self) -> float:
         """Share of all items that have been collected."""
         total = sum(int(core.n_items.sum()) for core in self.cores)
-        found = (core.mission.ledger.entries.t_collected >= 0 for core in self.cores)
+        found = (core.mission.ledger.t_collected >= 0 for core in self.cores)
         return sum(int(each.sum()) for each in found) / total
 
     @property

@@ -23,7 +23,7 @@ def log_distance_loss_db(d_m: float, exponent: float, l0_db: float) -> float:
 def two_ray_loss_db(d_m: float, low_m: float, high_m: float, frequency_hz: float) -> float:
     """Path loss of the direct ray and its echo from the water, reflected by -1 [dB].
 
-    The sum of both with their phases; beyond `crossover_m` it nears 40 log d - 20 log(h_t h_r).
+    The sum of both with their phases; far off it nears 40 log d - 20 log(h_t h_r).
 
     Parameters
     ----------
@@ -39,11 +39,6 @@ def two_ray_loss_db(d_m: float, low_m: float, high_m: float, frequency_hz: float
     im = math.sin(phase) / echo
     amplitude = math.sqrt(re * re + im * im) / (2.0 * k)
     return float(-20.0 * math.log10(max(amplitude, 1e-30)))
-
-
-def crossover_m(low_m: float, high_m: float, frequency_hz: float) -> float:
-    """Distance from which the echo takes more with every metre: 4 pi h_t h_r / wavelength [m]."""
-    return 4.0 * math.pi * low_m * high_m * frequency_hz / LIGHT_MPS
 
 
 @kernel
@@ -73,27 +68,6 @@ def walls_between(node_of_cell: Int32Array, row: int, col: int, to_row: int, to_
         c = col + (aside if right > 0 else -aside)
         walls += node_of_cell[r, c] < 0
     return walls
-
-
-def outage(margin_db: float, shadowing_db: float) -> float:
-    """Chance that shadowing takes more than the margin: Q(margin / sigma)."""
-    if shadowing_db == 0.0:
-        return float(margin_db < 0.0)
-    return 0.5 * math.erfc(margin_db / shadowing_db / math.sqrt(2.0))
-
-
-def lora_airtime_s(
-    size: int, spreading: int = 7, bandwidth_hz: float = 125e3, preamble: int = 8, rate: int = 1
-) -> float:
-    """Time on the air of a LoRa packet of so many bytes [s], explicit header and checksum.
-
-    Semtech, SX1276 data sheet (rev. 7, 2020), section 4.1.1.7, coding rate 4 / (4 + `rate`).
-    """
-    symbol_s = 2.0**spreading / bandwidth_hz
-    slow = 1 if symbol_s > 0.016 else 0
-    blocks = math.ceil((8 * size - 4 * spreading + 28 + 16) / (4 * (spreading - 2 * slow)))
-    payload = 8 + max(blocks * (rate + 4), 0)
-    return float((preamble + 4.25 + payload) * symbol_s)
 
 
 def gilbert_elliott(loss: float, burst: float) -> tuple[float, float]:

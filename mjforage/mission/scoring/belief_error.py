@@ -8,7 +8,7 @@ from mjforage.mission.scoring.metric import FloatArray, Metric, StepView
 def errors(view: StepView) -> tuple[FloatArray, FloatArray]:
     """RMSE over the nodes and per column, (open,) each."""
     mission = view.mission
-    truth = view.of_open(mission.ledger.entries.truth)
+    truth = view.of_open(mission.ledger.truth)
     belief = view.of_open(mission.knowledge.belief)
     return metrics.model_error(truth, belief, mission.setup.grid.navigable)
 

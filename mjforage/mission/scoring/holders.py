@@ -10,11 +10,11 @@ from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView,
 def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
     """Disagreement and error of the owners' maps, (open,) each."""
     mission, owners = view.mission, view.mission.exchange.owners
-    held = mission.exchange.knowledge.belief
+    belief = mission.exchange.knowledge.belief
     return metrics.unlikeness(
         view.of_open(mission.knowledge.belief),
-        view.of_open(held.reshape(-1, owners, held.shape[1])),
-        view.of_open(mission.ledger.entries.truth),
+        view.of_open(belief.reshape(-1, owners, belief.shape[1])),
+        view.of_open(mission.ledger.truth),
         view.cached(errors)[0],
         mission.setup.grid.navigable,
     )

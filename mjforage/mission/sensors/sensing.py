@@ -15,7 +15,7 @@ from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.knowledge import Scans
-from mjforage.mission.ledger import Entries
+from mjforage.mission.ledger import Ledger
 from mjforage.mission.scan_log import widest_view
 from mjforage.mission.sensors.detection import chances_by_square, squares_in_view
 from mjforage.mission.sensors.map_filter import NOT_SEEN, MapFilter
@@ -139,7 +139,7 @@ def _look_around(
 @kernel
 def _detect(
     sensing: Sensing,
-    entries: Entries,
+    ledger: Ledger,
     key: np.uint64,
     e: int,
     step: int,
@@ -150,8 +150,8 @@ def _detect(
     """Count the items in view that an agent detects, and credit those not yet discovered."""
     rows, cols, place = sensing.rows, sensing.cols, sensing.place
     drawn, merging = stream_key(key, Stream.DETECTION), stream_key(key, Stream.MERGING)
-    for k in range(entries.places[e]):
-        node = entries.counted_node[e, k]
+    for k in range(ledger.places[e]):
+        node = ledger.counted_node[e, k]
         if node < 0 or place[node] == 0:
             continue
         down, right = rows[node] - rows[viewer], cols[node] - cols[viewer]
@@ -162,8 +162,8 @@ def _detect(
         if beside and sensing.merge > 0.0 and uniform(merging, k, step) < sensing.merge:
             continue
         shown[place[node] - 1] += 1
-        if entries.t_discovered[e, k] < 0:
-            entries.t_discovered[e, k], entries.discovered_by[e, k] = step, agent
+        if ledger.t_discovered[e, k] < 0:
+            ledger.t_discovered[e, k], ledger.discovered_by[e, k] = step, agent
 
 
 @kernel
@@ -185,7 +185,7 @@ def sense(
     credit_order: NDArray[np.int64],
     views: NodeLists,
     radius_number: NDArray[np.int64],
-    entries: Entries,
+    ledger: Ledger,
 ) -> None:
     """Fill the counts of the scans of a step, and credit first detections.
 
@@ -205,7 +205,7 @@ def sense(
             radius, viewer, shown = radius_number[agent], at[e, agent], scans.shown[e, agent]
             nodes = views.nodes[start[radius, viewer] : start[radius, viewer + 1]]
             _look_around(sensing, views, radius, viewer, scans.agent_yaw[e, agent], shown)
-            _detect(sensing, entries, keys[e], e, step, agent, viewer, shown)
+            _detect(sensing, ledger, keys[e], e, step, agent, viewer, shown)
             if sensing.false_rate > 0.0:
                 _invent(sensing, nodes, keys[e], step, shown)
             sensing.place[nodes] = 0

@@ -10,7 +10,7 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.knowledge import Knowledge, Scans, receive
-from mjforage.mission.ledger import Entries, count, credit
+from mjforage.mission.ledger import Ledger, count, credit
 from mjforage.mission.sensors.map_filter import MapFilter, correct, glimpse, round_off
 from mjforage.mission.sensors.sensing import Sensing, sense, sensing
 from mjforage.mission.task import Task
@@ -32,7 +32,7 @@ class SensorConfig(NamedTuple):
 @kernel
 def _look(
     config: SensorConfig,
-    entries: Entries,
+    ledger: Ledger,
     knowledge: Knowledge,
     scans: Scans,
     item_node: Int32Array,
@@ -45,7 +45,7 @@ def _look(
         config.radius_number,
         config.credit_order,
     )
-    count(active, step, item_node, taken_by, entries)
+    count(active, step, item_node, taken_by, ledger)
     receive(scans, config.all_received, views, radius_number, knowledge)
     credit(
         scans,
@@ -55,7 +55,7 @@ def _look(
         radius_number,
         config.in_view,
         config.found,
-        entries,
+        ledger,
     )
 
 
@@ -64,7 +64,7 @@ def _sense_imperfectly(
     config: SensorConfig,
     sensing: Sensing,
     filtered: MapFilter,
-    entries: Entries,
+    ledger: Ledger,
     knowledge: Knowledge,
     scans: Scans,
     item_node: Int32Array,
@@ -72,8 +72,8 @@ def _sense_imperfectly(
 ) -> None:
     """The same where scans miss items or show false positives: credit is for detections only."""
     views, radius_number = config.views, config.radius_number
-    count(scans.active, scans.step, item_node, taken_by, entries)
-    sense(sensing, config.keys, scans, config.credit_order, views, radius_number, entries)
+    count(scans.active, scans.step, item_node, taken_by, ledger)
+    sense(sensing, config.keys, scans, config.credit_order, views, radius_number, ledger)
     receive(scans, config.all_received, views, radius_number, knowledge)
     for e in range(filtered.density.shape[0]):
         if scans.active[e]:
@@ -91,7 +91,7 @@ class SensingUpdate:
         task: Task,
         sensors: Sensors,
         keys: UInt64Array,
-        entries: Entries,
+        ledger: Ledger,
         knowledge: Knowledge,
         filtered: MapFilter,
     ) -> None:
@@ -100,10 +100,10 @@ class SensingUpdate:
         Parameters
         ----------
         keys : (episode,) episode keys
-        entries, knowledge : of the ledger and of the fleet together, changed by every scan
+        ledger, knowledge : of the ledger and of the fleet together, changed by every scan
         filtered : what the fleet makes of counts, the same
         """
-        items = entries.t_discovered.shape[1]
+        items = ledger.t_discovered.shape[1]
         config = SensorConfig(
             task.views,
             task.radius_number,
@@ -114,10 +114,10 @@ class SensingUpdate:
             np.empty(items, np.int32),
         )
         if sensors.perfect:
-            self._look = BoundKernel(_look, config, entries, knowledge)
+            self._look = BoundKernel(_look, config, ledger, knowledge)
         else:
             sees = sensing(sensors, task, keys, items)
-            self._look = BoundKernel(_sense_imperfectly, config, sees, filtered, entries, knowledge)
+            self._look = BoundKernel(_sense_imperfectly, config, sees, filtered, ledger, knowledge)
 
     def scan(self, scans: Scans, item_node: Int32Array, taken_by: NDArray[np.int16]) -> None:
         """Take in the end of a step.

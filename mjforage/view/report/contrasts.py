@@ -18,7 +18,6 @@ from mjforage.view.report.cells import (
     summary_cell,
 )
 from mjforage.view.report.differences import (
-    SEED,
     Difference,
     corrected,
     family_note,
@@ -73,7 +72,7 @@ class _Line:
         """Probability that the case is better in an episode; undefined without a direction."""
         cases, way = (self.contrast.case, self.contrast.against), self.metric.better
         x, y = (way * case.values(self.metric.key) for case in cases)
-        share = probability_of_improvement(x, y, SEED, resamples=1).value if way else np.nan
+        share = probability_of_improvement(x, y) if way else np.nan
         return number_cell(float(share), 2)
 
     @property

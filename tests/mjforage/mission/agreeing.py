@@ -34,7 +34,7 @@ def play(
 
 def agree(mission: Mission, slow: list[SlowMission]) -> None:
     """Compare all that there is."""
-    held, pooled = mission.held, mission.observation
+    held, pooled = mission.owner_observation, mission.observation
     for e, oracle in enumerate(slow):
         assert mission.active[e] == (not oracle.over)
         assert mission.step[e] == oracle.step
@@ -69,7 +69,7 @@ def _agents(mission: Mission, e: int, oracle: SlowMission) -> None:
 
 
 def _items(mission: Mission, e: int, oracle: SlowMission) -> None:
-    state, entries = mission.state, mission.ledger.entries
+    state, entries = mission.state, mission.ledger
     present = np.flatnonzero(state.item_node[e] >= 0).tolist()
     assert present == sorted(oracle.items)
     for k in present:

@@ -49,23 +49,6 @@ def test_there_is_always_an_item() -> None:
     assert world.n_items.min() == 1
 
 
-def test_a_wind_takes_the_place_of_the_drift() -> None:
-    """At 0.03 of it: 5 m/s from the west is 0.15 m/s to the east, .375 node of 4 m in 10 s."""
-    starts = np.arange(4, dtype=np.int32)
-    west = Weather(wind_speed_mps=5.0, wind_from_deg=270.0)
-    drift = create_initial_state(OPEN, Items(), west, 0.4, starts, 4, KEYS[:3]).drift_rc
-    np.testing.assert_allclose(drift, [[0.0, 0.375]] * 3, atol=1e-12)
-    north = Weather(wind_speed_mps=5.0, wind_from_deg=0.0)
-    drift = create_initial_state(OPEN, Items(), north, 0.4, starts, 4, KEYS[:3]).drift_rc
-    np.testing.assert_allclose(drift, [[0.375, 0.0]] * 3, atol=1e-12)
-    calm, any_way = Weather(wind_speed_mps=0.0), Weather(wind_speed_mps=5.0)
-    assert not create_initial_state(OPEN, Items(), calm, 0.4, starts, 4, KEYS).drift_rc.any()
-    drawn = create_initial_state(OPEN, Items(), any_way, 0.4, starts, 4, KEYS).drift_rc
-    np.testing.assert_allclose(np.hypot(*drawn.T), 0.375, rtol=1e-12)
-    angle = np.arctan2(drawn[:, 0], drawn[:, 1])
-    assert stats.kstest(angle, "uniform", (-np.pi, 2 * np.pi)).pvalue > 0.01
-
-
 @given(
     cells=st.lists(st.integers(0, 2**12 - 1), min_size=1, max_size=12).filter(any),
     row=st.floats(-30, 40),

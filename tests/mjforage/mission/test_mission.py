@@ -3,7 +3,6 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.graph_planner.graph.walls import WALLS
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
 from mjforage.mission.scoring import Scorer
@@ -79,14 +78,14 @@ def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> 
     mission = Mission(setup)
     mission.reset(0, np.arange(20))
     assert (mission.state.item_node >= 0).all()
-    found = mission.ledger.entries.t_discovered == 0
+    found = mission.ledger.t_discovered == 0
     assert found.any()
     by_scouts = mission.times_seen(setup.fleet.discoverers, np.arange(20)) > 0
     seen_by_scouts = np.take_along_axis(by_scouts, mission.state.item_node, axis=1)
     np.testing.assert_array_equal(  # a tie goes to the scouts
-        np.isin(mission.ledger.entries.discovered_by, setup.fleet.discoverers), seen_by_scouts
+        np.isin(mission.ledger.discovered_by, setup.fleet.discoverers), seen_by_scouts
     )
-    assert (mission.ledger.entries.t_discovered[~found] == -1).all()
+    assert (mission.ledger.t_discovered[~found] == -1).all()
 
 
 @pytest.mark.parametrize("capability", ["carries", "relays"])
@@ -94,12 +93,6 @@ def test_what_a_role_can_do_and_nothing_uses_is_refused(capability: str) -> None
     setup = setup_of("comb-port", f"team.scouts.{capability}=true")
     with pytest.raises(UserError, match=rf"team\.scouts\.{capability} = true, but no rule"):
         Mission(setup)
-
-
-def test_a_map_replaces_the_grid_and_nothing_else() -> None:
-    scenario = load_scenario("published", map_file="open_bay")
-    assert scenario.map.starts == load_scenario("published").map.starts
-    assert scenario.map.corner_cutting and not scenario.rules.stay
 
 
 def test_starts_on_land_and_crowded_ponds_are_refused() -> None:
@@ -117,16 +110,6 @@ def test_more_agents_than_starts_take_the_nearest_free_nodes() -> None:
     assert all(np.unique(row).size == 9 for row in nodes)
     assert set(setup.start_nodes.tolist()) <= set(nodes[0].tolist())
     assert np.unique(nodes[:, 0]).size > 4  # who starts where is drawn per episode
-
-
-def test_reachable_share_is_a_quarter_for_published_scouts() -> None:
-    assert setup_of("published").reachable_shares["scouts"] == pytest.approx(0.25, abs=0.01)
-    assert setup_of("comb-port").reachable_shares == {"scouts": 1.0, "foragers": 1.0}
-
-
-@pytest.mark.parametrize("walls", WALLS)
-def test_policies_are_told_the_rule_of_walls(walls: str) -> None:
-    assert setup_of("comb-port", f"rules.walls={walls}").task.walls == walls
 
 
 class Undecided:

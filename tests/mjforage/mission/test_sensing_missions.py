@@ -39,7 +39,7 @@ def played(setup: Setup, policy: str, episodes: tuple[int, ...] = (0, 1, 2)) -> 
     mission = Mission(setup)
     mission.reset(5, np.array(episodes))
     mission.run(create_policy(policy))
-    entries, state = mission.ledger.entries, mission.state
+    entries, state = mission.ledger, mission.state
     return {
         "agent_node": state.agent_node.copy(),
         "distance": state.distance.copy(),

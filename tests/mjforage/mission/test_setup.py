@@ -74,15 +74,6 @@ def test_what_is_heard_after_the_mission_is_never_heard() -> None:
         assert (task.latency, task.reach_node) == (latency, reach_node)
 
 
-def test_policies_are_told_the_rules_of_the_scenario() -> None:
-    for stay in (False, True):
-        task = by_hand(rules=Rules(stay=stay, shorten=not stay, walls="project")).task
-        assert (task.rules.stay, task.rules.shorten) == (stay, not stay)
-        assert (task.walls, task.horizon) == ("project", 20)
-    # Nobody forgets a node for nine tenths of the horizon.
-    assert task.forgetting == pytest.approx(1.0 / 18.0)
-
-
 def test_starts_are_those_of_the_scenario_and_every_agent_has_one() -> None:
     setup = by_hand()
     placed = setup.create_initial_state(episode_keys(0, np.arange(30))).agent_node

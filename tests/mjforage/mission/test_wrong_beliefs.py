@@ -48,7 +48,7 @@ def test_robust_assumptions_of_wide_hotspots_leave_nothing_out() -> None:
 def test_more_hotspots_than_assumed_are_found() -> None:
     """98 % of their items are discovered; 87 % where no sighting refutes the assumed number."""
     mission = played("items.hotspots=3", episodes=20)
-    seen = (mission.ledger.entries.t_discovered >= 0).sum(axis=1) / mission.initial.n_items
+    seen = (mission.ledger.t_discovered >= 0).sum(axis=1) / mission.initial.n_items
     assert seen.mean() > 0.94
 
 

@@ -30,7 +30,7 @@ def looks_of(ledger: Ledger, at: NDArray[np.int32], shown: NDArray[np.int16]) ->
         active=np.ones(len(at), np.bool_),
         step=np.zeros(len(at), np.int32),
         agent_node=at,
-        sighted=ledger.entries.truth,
+        sighted=ledger.truth,
         shown=shown,
         energy_left=np.full(at.shape, np.inf),
         room_left=np.zeros(at.shape, np.int64),
@@ -45,7 +45,7 @@ class Watched:
 
     Attributes
     ----------
-    knowledge, entries : after the last step
+    knowledge, ledger : after the last step
     shown : (step, episode, agent, place) what scans showed
     """
 
@@ -62,18 +62,16 @@ class Watched:
         """Let agents at nodes ([episode,] agent) scan at items in nodes (item,) from step 0 on."""
         keys = episode_keys(0, np.arange(episodes) if isinstance(episodes, int) else episodes)
         item_node = np.tile(np.array(items, np.int32), (keys.size, 1))
-        ledger = Ledger(task)
-        ledger.reset(item_node)
+        ledger = Ledger.of(item_node, len(task.graph))
         shown = no_shown(task, keys.size, sensors.perfect)
         nodes = np.broadcast_to(np.array(at, np.int32), (keys.size, len(task.fleet)))
         scans = looks_of(ledger, np.ascontiguousarray(nodes), shown)
         scans.agent_yaw[:] = yaw
-        self.knowledge, self.entries = Knowledge.of_starts(scans, len(task.graph)), ledger.entries
+        self.knowledge, self.ledger = Knowledge.of_starts(scans, len(task.graph)), ledger
         filtered = map_filter(replace(load_scenario("comb-port"), sensors=sensors), task, keys.size)
-        about = self.entries, self.knowledge, filtered
-        lookout = SensingUpdate(task, sensors, keys, *about)
+        update = SensingUpdate(task, sensors, keys, ledger, self.knowledge, filtered)
         nobody, self.shown = np.full(item_node.shape, -1, np.int16), []
         for step in range(steps + 1):
             scans = scans._replace(step=np.full(keys.size, step, np.int32))
-            lookout.scan(scans, item_node, nobody)
+            update.scan(scans, item_node, nobody)
             self.shown.append(shown.copy())

@@ -195,7 +195,12 @@ def _played(scene: Scene, changes: list[str]) -> dict[str, list[bytes]]:
 
 def mission_parts(mission: Mission) -> dict[str, list[NDArray[Any]]]:
     """What there is in a mission of one episode, by the names that scenes have for it."""
-    setup, state, pooled, held = mission.setup, mission.state, mission.knowledge, mission.held
+    setup, state, pooled, held = (
+        mission.setup,
+        mission.state,
+        mission.knowledge,
+        mission.owner_observation,
+    )
     parts: dict[str, list[NDArray[Any]]] = {
         "map": [setup.graph.neighbours],
         "starts": [mission.initial.agent_node],

@@ -62,6 +62,6 @@ def test_the_order_of_the_teams_plays_no_part(name: str) -> None:
         if isinstance(other, UpperBound):
             other.set_ground_truth(play.truth)
         answer, going = play.ask(one).copy(), play.active
-        turned = other.act(in_order(play.held, order))[:, order]
+        turned = other.act(in_order(play.owner_observation, order))[:, order]
         np.testing.assert_array_equal(turned[going], answer[going], str(play.step))
         play.advance(answer)

@@ -60,7 +60,7 @@ class Played(NamedTuple):
     def carried(self, frames: int) -> NDArray[np.float64]:
         """(x, y) by which the item went in the trajectory's last frames [m]."""
         way: NDArray[np.float64] = (
-            self.trajectory.items[-1, 0] - self.trajectory.items[-1 - frames, 0]
+            self.trajectory.frames.items[-1, 0] - self.trajectory.frames.items[-1 - frames, 0]
         )
         return way
 
@@ -114,7 +114,7 @@ def test_a_wind_carries_an_item_away_from_where_it_blows(world: str, origin: str
     np.testing.assert_allclose(gone, (-2 * 0.192 * y, 2 * 0.192 * x), atol=0.03)
     told = found.dynamics.drift_rc(ITEM[None, None])[0, 0]
     np.testing.assert_allclose(told, (-0.192 * y, 0.192 * x), atol=1e-9)
-    np.testing.assert_allclose(found.trajectory.wind[-1], (4.0 * x, 4.0 * y), atol=1e-6)
+    np.testing.assert_allclose(found.trajectory.frames.wind[-1], (4.0 * x, 4.0 * y), atol=1e-6)
 
 
 @pytest.mark.parametrize("direction", TOWARD)
@@ -125,7 +125,7 @@ def test_a_current_carries_an_item_where_it_flows_to(direction: str) -> None:
     np.testing.assert_allclose(found.carried(16), (1.552 * x, 1.552 * y), atol=0.02)
     told = found.dynamics.drift_rc(ITEM[None, None])[0, 0]
     np.testing.assert_allclose(told, (-0.3104 * y, 0.3104 * x), atol=1e-4)
-    np.testing.assert_array_equal(found.trajectory.wind[-1], (0.0, 0.0))
+    np.testing.assert_array_equal(found.trajectory.frames.wind[-1], (0.0, 0.0))
     np.testing.assert_array_equal(played("graph", weather).state.item_rc[0, 0], ITEM)
 
 
@@ -140,7 +140,7 @@ def test_the_noise_of_an_item_is_that_of_the_graph_in_every_decision() -> None:
     """The same draw moves its water for 4 s, and the item comes up to 0.97 of that speed."""
     weather = replace(CALM, noise_node_per_step=0.5)
     graph, physics = (
-        played(world, weather, decisions=3, period_s=4.0).trajectory.items[:, 0]
+        played(world, weather, decisions=3, period_s=4.0).trajectory.frames.items[:, 0]
         for world in ("graph", "physics")
     )
     noise = np.diff(graph, axis=0)  # of each decision [m]
@@ -155,7 +155,7 @@ def test_wind_and_current_push_a_vessel_that_stays_at_first(side: str, water: bo
     blown, borne = {toward: origin for origin, toward in PUSHED.items()}, TOWARD[side]
     wind = replace(CALM, wind_speed_mps=8.0, wind_from_deg=FROM[blown[AXES[side]]])
     weather = replace(CALM, current_speed_mps=0.3, current_toward_deg=borne) if water else wind
-    pushed = played("physics", weather).trajectory.pose[2, 0, :2] - (20.0, 15.0)
+    pushed = played("physics", weather).trajectory.frames.pose[2, 0, :2] - (20.0, 15.0)
     x, y = AXES[side]
     along, aside = pushed[0] * x + pushed[1] * y, pushed[0] * y - pushed[1] * x
     assert along > 0.01
@@ -167,7 +167,7 @@ def test_wind_and_current_push_a_vessel_that_stays_at_first(side: str, water: bo
 def test_a_move_of_two_nodes_takes_a_vessel_ten_metres_that_way(world: str, word: str) -> None:
     found = played(world, direction=COMPASS.index(word), period_s=20.0)
     (x, y), degrees = HEADS[word]
-    pose, exact = found.trajectory.pose[-1, 0], 1e-5 if world == "graph" else 1.0
+    pose, exact = found.trajectory.frames.pose[-1, 0], 1e-5 if world == "graph" else 1.0
     np.testing.assert_allclose(pose[:2], (20.0 + 10.0 * x, 15.0 + 10.0 * y), atol=exact)
     np.testing.assert_allclose(found.state.agent_rc[0, 0], (5 - 2 * y, 4 + 2 * x), atol=0.2)
     length = 2.0 * np.hypot(x, y)  # in nodes, as the log and the energy have it
@@ -195,7 +195,7 @@ def test_a_vessel_takes_the_item_of_its_node_if_it_collects(world: str, collects
     found = played(world, collects=collects, item=np.array([5.25, 4.25]))
     assert found.state.collected_by.tolist() == [[0 if collects else -1]]
     assert (found.state.item_node[0, 0] == -1) == collects
-    assert found.trajectory.present[:, 0].tolist()[-1] != collects
+    assert found.trajectory.frames.present[:, 0].tolist()[-1] != collects
 
 
 @pytest.mark.parametrize("world", ["graph", "physics"])

@@ -2,7 +2,6 @@
 
 import hashlib
 from collections import deque
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,27 +27,6 @@ SHARES = {
     "bays": (0.3, 0.75),
 }  # of water, as `docs/maps` says
 
-BAY = """
-##############################
-##############################
-##############################
-##############################
-##############################
-##############################
-##############################
-##############################
-##############################
-##############################
-##############################
-#######...####################
-######.....###################
-#####.......########...#######
-#####.......#######.....######
-#####.......######........####
-######.....######..........###
-#######...######............##
-...####...#####..............."""
-
 
 def cells_of(reference: str) -> Cells:
     return harbour_cells(harbour(reference))
@@ -71,13 +49,6 @@ def digest(cells: Cells) -> str:
 def test_a_harbour_is_the_same_everywhere(kind: str, expected: str) -> None:
     """No map is stored: a change of a single cell would change runs of the same name."""
     assert digest(cells_of(f"harbour:{kind}:7:30x31")) == expected
-
-
-def test_a_bay_is_what_is_drawn_here() -> None:
-    """One cove behind a mouth of three cells, a notch in the coast, and open water in the south."""
-    rows = [[mark == "." for mark in line] for line in BAY.split()]
-    sea = [[True] * 30] * (30 - len(rows))
-    np.testing.assert_array_equal(cells_of("harbour:bays:0:30x30"), rows + sea)
 
 
 def roomy(cells: Cells) -> bool:
@@ -245,29 +216,6 @@ def test_a_bad_name_is_one_line_with_the_remedy(reference: str, words: str) -> N
     with pytest.raises(UserError, match=words) as caught:
         load_map(reference)
     assert "\n" not in str(caught.value) and repr(reference) in str(caught.value)
-
-
-def test_the_largest_seed_is_one() -> None:
-    assert harbour("harbour:combs:9223372036854775807").seed == 2**63 - 1
-
-
-def test_a_scenario_file_may_name_one(tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text(
-        """
-        name = "mine"
-        [map]
-        file = "harbour:basins:5:40x50"
-        [team.foragers]
-        count = 4
-        moves = 1
-        radius = 4.0
-        collects = true
-        """
-    )
-    setup = Setup.of(load_scenario(str(path)))
-    assert setup.grid.name == "harbour:basins:5:40x50"
-    assert setup.start_cells == ()
 
 
 def test_starts_of_another_map_do_not_hold_but_those_told_do() -> None:

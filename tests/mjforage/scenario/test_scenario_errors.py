@@ -29,38 +29,29 @@ ROLE = "{count=1, moves=1, radius=1, collects=true}"
         ("map.qqqq=1", "unknown key map.qqqq; known: file, pitch_m"),
         ("team.pilots.count=2", "missing team.pilots.moves, team.pilots.radius, team.pilots.colle"),
         ("team.scouts.count=two", "team.scouts.count = 'two' should be a valid integer"),
-        ("team.scouts.count=2.0", "team.scouts.count = 2.0 should be a valid integer"),
-        ("team.scouts.count=true", "team.scouts.count = True should be a valid integer"),
-        ("team.scouts.radius=true", "team.scouts.radius = True should be a valid number"),
-        ("rules.stay=1", "rules.stay = 1 should be true or false"),
-        ("name=5", "name = 5 should be text"),
+        ("link.latency=3", "link.latency = 3 without a link; give link.model"),
+        (
+            "link={model='disk', bytes=5}",
+            "link.bytes = 5 is too little for any scan; give at least 6",
+        ),
+        ("link={model='disk', loss=0.6, burst=1.2}", "link.burst = 1.2 is too short to lose 60.0%"),
         ("horizon=1979-05-27", "horizon = datetime.date(1979, 5, 27) should be a valid integer"),
         ("team.scouts.count=-1", "team.scouts.count = -1 should be "),
-        ("team.scouts.count=256", "team.scouts.count = 256 should be "),
-        ("team.scouts.moves=0", "team.scouts.moves = 0 should be "),
-        ("horizon=0", "horizon = 0 should be "),
-        ("items.mean=-1", "items.mean = -1 should be "),
-        ("items.std=nan", "items.std = nan should be "),
         ("weather.drift_node_per_step=inf", "weather.drift_node_per_step = inf should be "),
         (
             "weather.wind_from_deg=90",
             "weather.wind_from_deg = 90 without a wind; give weather.wind_speed_mps too",
         ),
-        ("weather.wind_speed_mps=-1", "weather.wind_speed_mps = -1 should be "),
-        ("map.pitch_m=0", "map.pitch_m = 0 should be "),
         ("items.mean=1" + "0" * 400, "0000... should be "),
         ("horizon=0x" + "f" * 9000, "horizon = a number of thousands of digits should be "),
         ("horizon=" + "9" * 9000, "horizon = '9999"),
         ("map.starts=[[1,2,3]]", "map.starts[0] = [1, 2, 3]: Tuple should have at most 2 items"),
         ("map.starts=[[1.5,2]]", "map.starts[0][0] = 1.5 should be a valid integer"),
-        ("map.starts=4", "map.starts = 4 should be a list"),
         (
             "map.starts=[[99999999999999999999,2]]",
             "map.starts[0][0] = 99999999999999999999 should be less",
         ),
-        ("team=4", "team = 4 should be a table"),
         ("team.scouts=4", "team.scouts = 4 should be a table"),
-        ("items=[1]", "items = [1] should be a table"),
         ("corruption.team=scuots", "corruption.team = 'scuots'; choose scouts, foragers"),
         ("corruption.epsilon=0.5", "corruption.team = ''; choose scouts, foragers"),
         ("rules.order=['scouts']", "rules.order = ['scouts']; give every team once: scouts, forag"),
@@ -175,13 +166,6 @@ def test_any_override_gives_a_scenario_or_a_clear_error(pairs: list[tuple[str, s
     assert (
         scenario_from_tree(json.loads(canonical_json(scenario_to_tree(scenario))), "") == scenario
     )
-
-
-PLAIN = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
-    max_leaves=8,
-)
 
 
 def test_a_scenario_file_without_its_ending_is_offered(

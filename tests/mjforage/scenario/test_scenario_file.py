@@ -90,5 +90,6 @@ def test_paths_in_a_file_start_from_its_folder(
         load_scenario(reference, map_file="bay.csv"),
     ):
         assert load_map(overridden.map.file).navigable.shape == (1, 2)
-    (folder / "shipped.toml").write_text(text.replace('"bay.csv"', '"open-bay"'))
-    assert load_scenario(str(folder / "shipped.toml")).map.file == "open-bay"
+    for name in ("open-bay", "harbour:basins:5:40x50"):
+        (folder / "named.toml").write_text(text.replace("bay.csv", name))
+        assert load_scenario(str(folder / "named.toml")).map.file == name

@@ -24,7 +24,7 @@ def _count(
 
 def _removed(step: Step) -> Amounts:
     mission = step.mission
-    when = mission.ledger.entries.t_collected
+    when = mission.ledger.t_collected
     return _count(mission.state.collected_by, when, mission.step, len(step.task.fleet))
 
 
@@ -53,6 +53,6 @@ class Discovered:
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [item]."""
-        entries = step.mission.ledger.entries
+        entries = step.mission.ledger
         about = entries.discovered_by, entries.t_discovered, step.mission.step
         return _count(*about, len(step.task.fleet))

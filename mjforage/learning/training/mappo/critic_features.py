@@ -43,8 +43,8 @@ def _facts(core: EnvironmentCore) -> NDArray[np.uint8]:
     """(env, 5) the last array of `CRITIC_FEATURES`."""
     mission = core.mission
     left = (mission.truth.item_node >= 0).sum(axis=1)
-    found = (mission.ledger.entries.t_discovered >= 0).sum(axis=1)
-    gone = (mission.ledger.entries.t_collected >= 0).sum(axis=1)
+    found = (mission.ledger.t_discovered >= 0).sum(axis=1)
+    gone = (mission.ledger.t_collected >= 0).sum(axis=1)
     drift = np.clip(0.5 + 0.5 * mission.truth.drift_rc, 0.0, 1.0)
     columns = (
         left / core.n_items,

@@ -8,12 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from mjforage.metrics import (
-    BreakTest,
     Line,
     SensitivityIntervals,
     TwoSegments,
     bootstrap_sensitivity,
-    break_test,
     half_width_95,
     mean,
     sensitivity_slope,
@@ -33,15 +31,14 @@ from mjforage.view.page.figure import (
 )
 from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report.cells import UNDEFINED, Cell, interval_cell, number, number_cell, row
-from mjforage.view.report.differences import SEED, p_text
+from mjforage.view.report.differences import SEED
 from mjforage.view.report.published import elsewhere, published_for
 from mjforage.view.report.run_logs import FloatArray, policy_name
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.study_logs import StudyLogs
 
 KEYS = ("pta_c", "pta_d", "rmse_columns", "rmse")
-COLUMNS = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %", "p of one line")
-SIGNIFICANT = 0.05
+COLUMNS = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %")
 ROUNDING = 1e-20  # of squares of sums of floats, relative
 SAME_LEVEL = 0.1  # of a step between levels: a break this near to a level lies on it
 
@@ -56,7 +53,6 @@ class Fit:
     line: Line
     bent: TwoSegments
     intervals: SensitivityIntervals
-    test: BreakTest
 
     @property
     def bends(self) -> bool:
@@ -106,7 +102,6 @@ def fit_levels(levels: FloatArray, values: FloatArray) -> Fit | None:
         sensitivity_slope(levels, means),
         two_segment_fit(levels, means),
         bootstrap_sensitivity(levels, values, SEED),
-        break_test(levels, values, SEED),
     )
 
 
@@ -147,7 +142,6 @@ def fit_cells(fit: Fit | None, digits: int) -> Iterator[Cell]:
     yield interval_cell(Number(float(fit.bent.break_point), *fit.intervals.break_point), 2)
     yield from (number_cell(slope, digits) for slope in fit.slopes)
     yield number_cell(100 * (1 - float(fit.bent.sse) / float(fit.line.sse)), 0)
-    yield Cell(p_text(fit.test.p), Number(fit.test.p), best=fit.test.p < SIGNIFICANT)
 
 
 def unlike_draws(logs: StudyLogs) -> str:
@@ -173,12 +167,8 @@ def _slope_notes(logs: StudyLogs, printed: bool) -> tuple[str, ...]:
         "95 % interval over episodes (the same ones at every level). Break: where two joined "
         "segments meet, with their slopes before and after, and its interval; gain: share of the "
         "line's squared residuals that the break removes.",
-        "p of one line: how often sweeps whose means lie on one line gain as much (F ratio of two "
-        "segments against one line, over resampled episodes moved onto the line, each searched for "
-        f"its own break), bold below {SIGNIFICANT:g}, not corrected for the number of tests. Then "
-        "the fall is not straight, but a smooth bend shows so too; with fewer than 20 episodes p "
-        "is too small too often. A break on the first or last level inside means that one end "
-        "point stands apart, not that there are two regimes; that side then has no slope (–).",
+        "A break on the first or last level inside means that one end point stands apart, not that "
+        "there are two regimes; that side then has no slope (–). A smooth bend gains, too.",
         draw,
     )
 

@@ -43,7 +43,7 @@ def test_an_agent_sees_its_own_row_of_the_mission(kind: str) -> None:
     for _ in range(20):
         moves = {a: int(rng.choice(np.flatnonzero(seen[a]["action_mask"]))) for a in names}
         for i, name in enumerate(names):
-            held: Any = mission.held
+            held: Any = mission.owner_observation
             row = Observation(*(array[i : i + 1] for array in held))
             for key, level in encoders[i].see(row, np.zeros(1, np.int64)).items():
                 expected = level[0, i] * np.float32(1 / 255)
@@ -105,7 +105,7 @@ def told_of(one: Played, holder: int) -> NDArray[np.bool_]:
     received_at, log, entries = (
         net.net.inbox.received_at[0, holder],
         net.net.log,
-        mission.ledger.entries,
+        mission.ledger,
     )
     told = np.zeros(one.item_node[0].size, np.bool_)
     for agent, step in np.argwhere((received_at >= 0) & (received_at <= 50)):

@@ -50,7 +50,7 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
                 1.0, (mission.step[e] - old.last_seen[e].astype(float)) * task.forgetting
             )
             new = (mission.state.collected_by[e] != collected[e]) & (collected[e] < 0)
-            entries = mission.ledger.entries
+            entries = mission.ledger
             first_seen = entries.t_discovered[e] == mission.step[e]
             assert (mission.state.outcome[e] == ARRIVED).all()
             for a, view in enumerate(views):
@@ -80,8 +80,8 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
             assert not value[~played].any()
             sums[name] += value.sum()
     total = mission.initial.n_items.sum()
-    assert sums["removed"] == (mission.ledger.entries.t_collected >= 0).sum() <= total
-    later = (mission.ledger.entries.t_discovered > 0).sum()
+    assert sums["removed"] == (mission.ledger.t_collected >= 0).sum() <= total
+    later = (mission.ledger.t_discovered > 0).sum()
     assert sums["discovered"] == later > sums["removed"], "scouts find more than is removed"
     assert all(sums[name] != 0.0 for name in ("belief", "idleness", "distance", "approach"))
 

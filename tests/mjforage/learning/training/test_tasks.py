@@ -63,7 +63,10 @@ def test_what_is_stored_is_what_each_agent_knew() -> None:
             encoder = create_encoder("egocentric", core.setup.task)
             encoder.reset(4)
             for step in range(12):
-                levels = {n: v.copy() for n, v in encoder.see(mission.held, np.arange(4)).items()}
+                levels = {
+                    n: v.copy()
+                    for n, v in encoder.see(mission.owner_observation, np.arange(4)).items()
+                }
                 moves = np.zeros((1, 4, 9))
                 for team, learner in one.learners.items():
                     memory = learner.memory

@@ -78,17 +78,6 @@ def test_a_look_takes_six_bytes_and_three_for_each_occupied_node() -> None:
     assert talk.received(1, 0, 0) == NOT_RECEIVED and talk.traffic.dropped[0] == 2
 
 
-def test_nothing_is_spent_on_what_nobody_in_contact_lacks() -> None:
-    """Agent 2 receives nothing, so everything stays to be passed on; 0 and 1 have it all."""
-    talk = Talk((0, 1), bytes=EMPTY)
-    for now in range(5):
-        talk.step(now)
-        assert talk.received(1, 0, now) == talk.received(0, 1, now) == now
-    assert talk.traffic.bytes[0] == 5 * 2 * EMPTY and talk.traffic.dropped[0] == 0
-    assert talk.traffic.sent[0] == 10 and talk.traffic.lost[0] == 0
-    assert talk.traffic.contacts[0] == 5
-
-
 def test_what_is_under_way_is_neither_sent_again_nor_passed_on() -> None:
     """0 to 1 to 2 with a latency of two: at 2 two hops and twice the latency later."""
     talk = Talk((0, 1), (1, 2), latency=2)
@@ -132,25 +121,6 @@ def test_a_look_that_two_send_at_once_is_under_way_twice() -> None:
     talk.receive(1)
     copies = int(talk.traffic.sent[0]) - 2  # of which the first two have arrived
     assert talk.inbox.in_flight[0] == copies > (talk.inbox.received_at == 2).sum()
-
-
-def test_only_who_relays_passes_on_looks_of_others() -> None:
-    """0 to 1 to 2: what 0 saw comes to 2 if 1 passes on."""
-    for relays in (False, True):
-        talk = Talk((0, 1), (1, 2), passes_on=np.array([False, relays, False]))
-        for now in range(2):
-            talk.step(now)
-        assert (talk.received(2, 0, 0) == 1) == relays
-        assert talk.received(2, 1, 1) == 1, "its own anyway"
-
-
-def test_a_budget_in_cells_is_spent() -> None:
-    """One scan a decision of the two that 1 lacks."""
-    talk = Talk(cells=1)
-    talk.step(0)
-    talk.contacts.snr_db[0, 0, 1] = np.inf
-    talk.step(1)
-    assert (talk.received(1, 0, 1), talk.received(1, 0, 0)) == (1, NOT_RECEIVED)
 
 
 def test_what_arrives_after_the_end_arrives_never() -> None:

@@ -1,17 +1,13 @@
 """The link in missions: what is received when, by whom, and that nothing else is known."""
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
-from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.exchange import Ideal
-from mjforage.mission.link import Radio
 from mjforage.mission.mission import Mission
 from mjforage.mission.task import Observation, Task
-from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.mission.link.nets import DISK, advanced, setup_of, started
 
 
@@ -19,29 +15,6 @@ def test_by_default_there_is_no_link() -> None:
     mission = Mission(setup_of())
     assert isinstance(mission.exchange, Ideal)
     assert mission.exchange.link_log is None
-
-
-def test_contacts_and_losses_of_a_step_are_told_by_pairs() -> None:
-    """All within 8 nodes, all that is sent is lost in half of the decisions of a link."""
-    mission, radio = started(setup_of(DISK, "link.range_m=32", "link.loss=0.5"), 3)
-    before = radio.net.traffic.lost.copy()
-    for _ in range(12):
-        advanced(mission, "greedy", 1)
-        at = mission.setup.graph.metres(mission.state.agent_rc)
-        near = np.hypot(*np.moveaxis(at[:, :, None] - at[:, None], -1, 0)) <= 32.0
-        linked, lost = radio.link_log.contact, radio.link_log.lost_now
-        np.testing.assert_array_equal(linked, near & ~np.eye(4, dtype=bool))
-        np.testing.assert_array_equal(lost.sum(axis=(1, 2)), radio.net.traffic.lost - before)
-        assert not lost[~(linked & radio.net.contacts.bad)].any()
-        before = radio.net.traffic.lost.copy()
-    assert before.min() > 0
-
-
-def ages(radio: Radio, mission: Mission) -> NDArray[np.float64]:
-    """Age (episode, owner, agent) of what each owner last received each agent [decision]."""
-    agents = radio.owners
-    seen = radio.knowledge.agent_seen.reshape(-1, agents, agents)
-    return (mission.step[:, None, None] - seen).astype(np.float64)
 
 
 def test_a_disk_ends_at_its_range_and_at_walls() -> None:
@@ -101,15 +74,6 @@ def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() ->
     assert delayed > 100
 
 
-def test_bursts_too_short_for_the_loss_are_refused() -> None:
-    with pytest.raises(UserError, match=r"link\.burst = 1\.2 .*give at least 1\.5, or 1 for"):
-        load_scenario("comb-port", [DISK, "link.loss=0.6", "link.burst=1.2"])
-    with pytest.raises(UserError, match=r"link\.range_m = -1"):
-        load_scenario("comb-port", ["link.range_m=-1"])
-    with pytest.raises(UserError, match=r"link\.model"):
-        load_scenario("comb-port", ["link.model=wire"])
-
-
 def test_every_agent_acts_by_its_own_row_and_late_padding_says_nothing() -> None:
     """Each wants to go another way in the row of each owner; only its own counts."""
     mission, radio = started(setup_of(DISK, "link.range_m=9", "link.latency=1"), 6)
@@ -135,33 +99,8 @@ def test_every_agent_acts_by_its_own_row_and_late_padding_says_nothing() -> None
     assert (delayed.scans[padded] == -1).all() and (delayed.shown[padded] == 0).all()
 
 
-def test_what_was_not_heard_changes_nothing_that_a_holder_is_shown() -> None:
-    """Non-interference: the same scans, received over links of different losses, show the same."""
-    mission, radio = started(setup_of(DISK, "link.range_m=30", "link.loss=0.4"), 6)
-    advanced(mission, "greedy", 30)
-    net, nodes = radio.net, len(mission.setup.graph)
-    for row in range(24):
-        e, h = divmod(row, 4)
-        seen = np.full(nodes, -(2**15), np.int64)
-        for a, s in np.argwhere(net.inbox.received_at[e, h] >= 0).tolist():
-            view = net.views.of(int(net.log.node[e, s, a]), int(net.radius_number[a]))
-            seen[view] = np.maximum(seen[view], s)
-        np.testing.assert_array_equal(radio.knowledge.last_seen[row], seen)
-
-
 def test_the_belief_planner_loses_nothing_by_a_latency() -> None:
     mission = Mission(setup_of("horizon=150", DISK, "link.latency=1"))
     mission.reset(7, np.arange(3))
     mission.run(create_policy("belief"))
     assert mission.taken.sum() > 0.97 * mission.initial.n_items.sum(), "it was 30 % once"
-
-
-def test_keys_of_a_link_that_is_none_are_refused() -> None:
-    with pytest.raises(UserError, match=r"link\.latency = 3 without a link; give link\.model"):
-        load_scenario("comb-port", ["link.latency=3"])
-
-
-def test_a_budget_for_no_look_is_refused() -> None:
-    with pytest.raises(UserError, match=r"link\.bytes = 5 is too little .* at least 6, 0 for no"):
-        load_scenario("comb-port", [DISK, "link.bytes=5"])
-    assert load_scenario("comb-port", [DISK, "link.bytes=6"]).link.bytes == 6

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.visibility import disc_offsets
@@ -27,7 +26,7 @@ def error(p: float) -> float:
 
 
 def found(watched: Watched) -> float:
-    return float((watched.entries.t_discovered[:, 0] >= 0).mean())
+    return float((watched.ledger.t_discovered[:, 0] >= 0).mean())
 
 
 def test_perfect_is_what_shows_all() -> None:
@@ -71,15 +70,6 @@ def test_a_table_is_linear_between_its_rows_and_constant_beyond() -> None:
     assert abs(seen - 0.5) < error(0.5)
 
 
-def test_agents_as_far_from_an_item_detect_it_or_miss_it_together() -> None:
-    task = task_of((9, 9), scouts=replace(SCOUT, count=2))
-    both = Watched(task, Sensors(detection=0.5), [EAST, MIDDLE - 1], [MIDDLE], 0, 200).shown[0]
-    assert (both[:, 0].max(axis=1) == both[:, 1].max(axis=1)).all()
-    sensors = Sensors(detection=1.0, half_range_node=2.0)
-    near, far = Watched(task, sensors, [EAST, FAR_EAST], [MIDDLE], 0, 200).shown[0].max(-1).T
-    assert (near >= far).all() and near.mean() > far.mean(), "who is nearer sees it too"
-
-
 @pytest.mark.parametrize("fov, nodes", [(360, 49), (180, 29), (90, 15), (75, 11), (0, 5)])
 def test_nodes_in_a_field_of_view_about_the_heading(fov: float, nodes: int) -> None:
     offsets = disc_offsets(4.0, (9, 9))
@@ -94,58 +84,6 @@ def test_nodes_in_a_field_of_view_about_the_heading(fov: float, nodes: int) -> N
             assert (along[seen] >= 0).all() and seen[(across == 0) & (along > 0)].all()
         known = watched.knowledge.last_seen[0] == 0
         assert known.sum() == nodes, "what is behind it was not looked at"
-
-
-def test_an_item_behind_is_not_discovered() -> None:
-    for fov, expected in ((360.0, 1.0), (120.0, 0.0)):
-        sensors = Sensors(fov_deg=fov, merge=0.5)
-        assert found(Watched(SEA, sensors, [MIDDLE], [MIDDLE - 1], 3, 10)) == expected
-
-
-def test_items_beside_one_that_is_seen_are_overlooked() -> None:
-    """Of three items in a node the first is seen, each other with 1 - merge."""
-    sensors = Sensors(merge=0.4)
-    counts = Watched(SEA, sensors, [MIDDLE], [EAST] * 3, 0, MANY).shown[0].max(axis=(1, 2))
-    for count, expected in ((1, 0.16), (2, 0.48), (3, 0.36)):
-        assert abs((counts == count).mean() - expected) < error(expected)
-
-
-def false_positives(task: object, hold: int, at: list[int]) -> NDArray[np.int16]:
-    """(step, episode, place) what the first agent is shown of an empty sea."""
-    sensors = Sensors(false_rate=0.05, false_hold=hold)
-    shown = Watched(task, sensors, at, [-1], 5, 200).shown  # type: ignore[arg-type]
-    return np.stack(shown)[:, :, 0]
-
-
-def test_ghosts_are_of_node_and_epoch_and_nobody_discovers_them() -> None:
-    each, held = false_positives(SEA, 1, [MIDDLE]), false_positives(SEA, 3, [MIDDLE])
-    for shown in (each, held):
-        assert abs(shown.mean() - 0.05) < 4 * np.sqrt(0.05 * 0.95 / (2 * 200 * 49))
-    assert (held[0] == held[1]).all() and (held[0] == held[2]).all() and (held[2] != held[3]).any()
-    assert (each[0] != each[1]).any()
-    watched = Watched(SEA, Sensors(false_rate=1.0), [MIDDLE], [-1], 2, 3)
-    assert (watched.knowledge.belief[:, EAST] == 1).all()
-    assert (watched.entries.t_discovered == -1).all() and (watched.entries.truth == 0).all()
-
-
-def test_no_ghost_where_a_collector_is_whoever_looks() -> None:
-    task = task_of((9, 9), foragers=FORAGER, scouts=SCOUT)
-    watched = Watched(task, Sensors(false_rate=1.0), [MIDDLE, EAST], [-1], 0, 3)
-    assert (watched.knowledge.belief[:, [MIDDLE, EAST]] == [0, 1]).all()
-    both = [[MIDDLE, EAST], [EAST, MIDDLE]]  # the collector first
-    swapped = Watched(task, Sensors(false_rate=1.0), both, [-1], 0, 2)
-    assert swapped.knowledge.belief[:, [MIDDLE, EAST]].tolist() == [[0, 1], [1, 0]]
-
-
-def test_an_item_is_discovered_when_it_is_first_detected() -> None:
-    watched = Watched(SEA, Sensors(detection=0.5), [MIDDLE], [EAST], 12, 50)
-    place = SEA.views.of(MIDDLE).tolist().index(EAST)
-    seen = np.array([shown[:, 0, place] > 0 for shown in watched.shown])
-    first = np.where(seen.any(axis=0), seen.argmax(axis=0), -1)
-    assert (
-        seen.sum() > 2 * len(first)
-        and watched.entries.t_discovered[:, 0].tolist() == first.tolist()
-    )
 
 
 def test_a_filtered_map_by_hand() -> None:

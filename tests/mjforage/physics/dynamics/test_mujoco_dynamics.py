@@ -123,12 +123,12 @@ def test_filming_changes_nothing_and_shows_where_vessels_were() -> None:
     recorded = scored(setup, [1], trajectory=trajectory)
     assert fingerprint(recorded, 0) == fingerprint(scored(setup, [1]), 0)
     log = recorded.log
-    assert trajectory.pose.shape == (1 + 6 * 20, 4, 3)
-    ends = setup.graph.row_column(trajectory.pose[::20, :, :2].astype(np.float64))
+    assert trajectory.frames.pose.shape == (1 + 6 * 20, 4, 3)
+    ends = setup.graph.row_column(trajectory.frames.pose[::20, :, :2].astype(np.float64))
     np.testing.assert_allclose(ends, log.agent_rc[0], atol=1e-5)
-    assert trajectory.items.shape[1] == log.n_items[0]
+    assert trajectory.frames.items.shape[1] == log.n_items[0]
     steps, taken = np.arange(7)[:, None], log.t_collected[0][None]
-    assert (trajectory.present[::20] == ~((taken >= 0) & (taken <= steps))).all()
+    assert (trajectory.frames.present[::20] == ~((taken >= 0) & (taken <= steps))).all()
     assert taken.max() > 0
 
 

@@ -95,7 +95,7 @@ def test_the_critic_is_told_how_far_it_has_come_and_how_items_drift() -> None:
     found, mission = critic_features(trainer.round)["truth.facts"], trainer.round.cores[0].mission
     for env in range(3):
         here = mission.truth.item_node[env] >= 0
-        items, entries = int(mission.initial.n_items[env]), mission.ledger.entries
+        items, entries = int(mission.initial.n_items[env]), mission.ledger
         known = int((here & (entries.t_discovered[env] >= 0)).sum())
         south, east = mission.truth.drift_rc[env]
         shares = [here.sum() / items, known / items, 45 / 60, (1 + south) / 2, (1 + east) / 2]
