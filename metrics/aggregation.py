@@ -49,9 +49,9 @@ def resampled_means(
         an infinite value, or no resample.
     """
     given = statistics.defined(values)
-    kept, filled = ~np.isnan(given), np.nan_to_num(given)
+    valid, filled = ~np.isnan(given), np.nan_to_num(given)
     times = _times(np.zeros(given.shape[-1], np.int64), seed, resamples)
-    return ratio(filled @ times.T, kept.astype(np.float64) @ times.T)
+    return ratio(filled @ times.T, valid.astype(np.float64) @ times.T)
 
 
 def performance_profile(

@@ -1,7 +1,7 @@
 """Skill and calibration of forecasts: Brier score, its parts, and calibration.
 
 A forecast f of an event (here: that a node holds an item) is compared with the outcome, o = 0 or
-1. Forecasts are gathered in bins; what is kept of a bin are four sums, so that those of many steps
+1. Forecasts are gathered in bins; a bin is four sums, so that those of many steps
 and episodes add up. Sources: G. W. Brier, Monthly Weather Review 78, 1950; A. H. Murphy, Journal of
 Applied Meteorology 12, 1973 (its parts); M. P. Naeini, G. F. Cooper and M. Hauskrecht, AAAI 2015
 (calibration error).

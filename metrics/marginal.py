@@ -42,8 +42,8 @@ def paired_contribution(
     same_shape("full", whole, "without", rest)
     if whole.ndim != 1:
         raise ValueError(f"full of shape {whole.shape}: (episode,) is needed")
-    kept = ~np.isnan(whole - rest)
-    pairs = np.stack([whole[kept], rest[kept]])
+    both = ~np.isnan(whole - rest)
+    pairs = np.stack([whole[both], rest[both]])
     n = np.asarray(pairs.shape[1], dtype=np.int64)
     means = statistics.mean(pairs)
     value = marginal_contribution(means[0], means[1], higher_is_better=higher_is_better)

@@ -70,13 +70,13 @@ def bootstrap(
     for row in np.ndindex(given.shape[:-1]):
         alike.setdefault((~np.isnan(given[row])).tobytes(), []).append(row)
     for mask, rows in alike.items():
-        kept = np.frombuffer(mask, np.bool_)
-        if kept.sum() < 2:
+        valid = np.frombuffer(mask, np.bool_)
+        if valid.sum() < 2:
             continue
         found: dict[tuple[int, ...], list[FloatArray]] = {row: [] for row in rows}
-        for block in resampled(_groups(labels[kept]), seed, resamples):
+        for block in resampled(_groups(labels[valid]), seed, resamples):
             for row in rows:
-                found[row].append(statistic(given[row][kept][block]))
+                found[row].append(statistic(given[row][valid][block]))
         for row in rows:
             low[row], high[row] = percentiles(np.concatenate(found[row]), level)
     return Interval(statistic(given), low, high, statistics.count(given))

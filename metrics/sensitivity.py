@@ -96,8 +96,8 @@ def two_segment_fit(levels: ArrayLike, means: ArrayLike) -> TwoSegments:
     found += [_bent_at(x, y, i) for i in range(1, x.size - 1)]
     candidates = np.stack(found)  # (candidate, 5, ...)
     best = np.argmin(candidates[:, 4], axis=0)
-    chosen = np.take_along_axis(candidates, best[None, None], axis=0)[0]
-    return TwoSegments(*chosen)
+    best_fit = np.take_along_axis(candidates, best[None, None], axis=0)[0]
+    return TwoSegments(*best_fit)
 
 
 @dataclass(frozen=True)
@@ -165,10 +165,10 @@ def _resampled_means(
         stream = seed if same_episodes else [seed, place]
         blocks = resampled(episodes, stream, resamples)
         means[:, place] = np.concatenate([statistics.mean(row[block]) for block in blocks])
-    kept = means[np.isfinite(means).all(axis=1)]
-    if len(kept) == 0:
+    usable = means[np.isfinite(means).all(axis=1)]
+    if len(usable) == 0:
         raise ValueError("no resample has a defined episode at every level; run more episodes")
-    return kept
+    return usable
 
 
 def _checked(levels: ArrayLike, means: ArrayLike, at_least: int) -> tuple[FloatArray, FloatArray]:

@@ -107,6 +107,6 @@ def iqm(values: ArrayLike) -> FloatArray:
     given = defined(values)
     n = count(given)[..., None]
     rank = np.arange(given.shape[-1])
-    kept = (rank >= n // 4) & (rank < n - n // 4)
-    total = np.sum(np.sort(given, axis=-1), axis=-1, where=kept)  # NaN sort last
-    return ratio(total, np.sum(kept, axis=-1))
+    inner = (rank >= n // 4) & (rank < n - n // 4)
+    total = np.sum(np.sort(given, axis=-1), axis=-1, where=inner)  # NaN sort last
+    return ratio(total, np.sum(inner, axis=-1))

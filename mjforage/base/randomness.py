@@ -63,7 +63,7 @@ class Stream(IntEnum):
     """Loss of a scan to noise, keyed by sender, receiver and scan, and by the step sent."""
     PERSISTENCE = 16
     """Difficulty of detecting each item, the same in all steps, keyed by item."""
-    GHOSTS = 17
+    FALSE_POSITIVES = 17
     """Items that are seen and are none, keyed by node and epoch."""
     MERGING = 18
     """Missed detection of an item beside another, keyed by item and step."""

@@ -34,9 +34,9 @@ class RowCache(NamedTuple):
 
 
 @kernel
-def row_of(kept: RowCache, node: int) -> tuple[int, bool]:
+def row_of(cache: RowCache, node: int) -> tuple[int, bool]:
     """Row of a node, and True if it must be filled first. The next request may overwrite it."""
-    slot, owner, following = kept.slot, kept.owner, kept.following
+    slot, owner, following = cache.slot, cache.owner, cache.following
     if slot[node] >= 0:
         return int(slot[node]), False
     row = following[0]

@@ -97,12 +97,12 @@ class Ideal:
     link_log = None
 
     def __init__(self) -> None:
-        self._lent = CachedViews[Knowledge]()
+        self._views = CachedViews[Knowledge]()
 
     @property
     def knowledge(self) -> Knowledge:
         """Common knowledge of the fleet."""
-        return self._lent.of(self._pooled)
+        return self._views.of(self._pooled)
 
     def reset(self, task: Task, scans: Scans, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes."""

@@ -1,7 +1,7 @@
 """A policy's forecasts of the items, compared with the truth at every decision.
 
 A policy that has a method `forecast`, which gives the items expected in each node as of its last
-answer (row, node), foretells for every node whether it holds an item: f = 1 - exp(-items). See
+answer (row, node), forecasts for every node whether it holds an item: f = 1 - exp(-items). See
 `mjforage.metrics.calibration`.
 """
 

@@ -1,6 +1,6 @@
 """The mission loop, for a batch of episodes.
 
-Decide -> move -> collect -> drift -> see -> tell -> log.
+Decide -> move -> collect -> drift -> sense -> exchange -> log.
 """
 
 from collections.abc import Sequence
@@ -116,7 +116,7 @@ class Mission:
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
         self._knowledge = Knowledge.of_starts(self._scans(), len(self.setup.graph))
         self._renew_sensing_update()
-        self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
+        self.exchange.reset(self.task, self._sense(), self._knowledge, self.keys)
         self._acting = read_only(np.tile(self._agent_of_owner(), keys.size))
         self._owner_keys = read_only(np.repeat(self.keys, self.exchange.owners))
         self._nobody = read_only(np.full(keys.size, -1, np.int32))
@@ -146,7 +146,7 @@ class Mission:
             agent_yaw=self._state.agent_yaw,
         )
 
-    def _see(self) -> Scans:
+    def _sense(self) -> Scans:
         """All agents scan: the fleet's knowledge and the ledger come up to date."""
         scans = self._scans()
         self._sensing_update.scan(scans, self._state.item_node, self._state.collected_by)
@@ -354,7 +354,7 @@ class Mission:
         self._moves = self.decide(preferences)
         self._begin_step(self.step + self.active)
         self._state = self._dynamics.advance(self.active, self.step, self._moves)
-        self.exchange.update(self._see(), self._knowledge)
+        self.exchange.update(self._sense(), self._knowledge)
         item_node = np.ascontiguousarray(self._state.item_node, np.int32)
         self.active = view_of(self._go_on(self.active, self.step, item_node))
         return self.state

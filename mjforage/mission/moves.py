@@ -54,7 +54,7 @@ class Movers(NamedTuple):
 
     neighbours: Int32Array  # (node, 8), -1 where there is no edge
     moves: NDArray[np.int64]  # (agent,) nodes per decision
-    shut: NDArray[np.int64]  # (agent, node) a bit per move that is illegal with nobody in the way
+    illegal: NDArray[np.int64]  # (agent, node) a bit per move: illegal even alone
     collects: NDArray[np.bool_]  # (agent,)
     order: NDArray[np.int64]  # (agent,) agents as they choose
     stay: bool
@@ -215,7 +215,7 @@ def _resolve(
     active, preferences, agent_node = ask.active, ask.preferences, ask.agent_node
     energy_left, belief, owner_of = ask.energy_left, ask.belief, ask.owner_of
     decision, keys, neighbours = ask.decision, ask.keys, movers.neighbours
-    strides, shut = movers.moves, movers.shut
+    strides, illegal = movers.moves, movers.illegal
     collects, order = movers.collects, movers.order
     stay, shorten = movers.stay, movers.shorten
     epsilon, whole_team = corruption.epsilon, corruption.whole_team
@@ -259,7 +259,7 @@ def _resolve(
                         neighbours, claimed, token, node, best, stride, stay, shorten
                     )
             else:
-                refused = shut[agent, node]  # a bit per move; more as others turn out to be illegal
+                refused = illegal[agent, node]  # a bit per move; more as others are refused
                 while best < 0 and refused < _ALL_MOVES:
                     # the largest preference that is left, the first of equals, without a branch
                     wanted, largest = -1, -np.inf
@@ -316,9 +316,9 @@ class Resolver:
         self, graph: NavigationGraph, fleet: Fleet, rules: MoveRules, corruption: Corruption
     ) -> None:
         number, targets = all_targets(graph, fleet.moves, rules)
-        shut = ((targets < 0) << np.arange(9)).sum(axis=2)[number]
+        illegal = ((targets < 0) << np.arange(9)).sum(axis=2)[number]
         about = fleet.collects, fleet.order, rules.stay, rules.shorten
-        movers = Movers(graph.neighbours, fleet.moves, shut, *about)
+        movers = Movers(graph.neighbours, fleet.moves, illegal, *about)
         claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
         self._resolve = BoundKernel(_resolve, movers, corruption, claimed)
         self._one_owner, self._token = np.zeros(len(fleet), np.int64), 1

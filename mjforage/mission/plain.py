@@ -1,4 +1,4 @@
-"""Observations and truths as kernels need them, which index by their numbers without a scan.
+"""Observations and truths as kernels need them, which index by their numbers without a check.
 
 A mission's own are read-only and sound. Others are converted and checked.
 """
@@ -22,7 +22,7 @@ _TYPES = tuple(
 )  # of the fields of an observation
 _FRESH = *_TYPES[:2], *_TYPES[14:16]  # of those that are new in every decision
 _ORDERED, _ALIGNED, _WRITABLE = 0x1, 0x100, 0x400  # bits of numpy's `flags.num`
-_ASKED, _LENT = _ORDERED | _ALIGNED | _WRITABLE, _ORDERED | _ALIGNED
+_ASKED, _READ_ONLY = _ORDERED | _ALIGNED | _WRITABLE, _ORDERED | _ALIGNED
 _BY_AGENT = (
     *("agent_node", "energy_left", "room_left", "agent_seen", "taken", "pickup", "agent_yaw"),
 )
@@ -41,7 +41,7 @@ class Plain:
         rows : for which the policy is made ready
         """
         self._task, self._rows = task, rows
-        self._looked_at: tuple[object, ...] = (None,)  # arrays that a mission lends for long
+        self._trusted: tuple[object, ...] = (None,)  # arrays that a mission reuses
 
     def __call__(self, observation: Observation) -> Observation:
         """An observation whose arrays are of their types, one item beside the other.
@@ -51,32 +51,32 @@ class Plain:
         UserError
             If it is not of the task or of so many rows, or holds a number that is no node or agent.
         """
-        active, step, *kept, delayed_scans, delayed_shown, owner = observation
+        active, step, *others, delayed_scans, delayed_shown, owner = observation
         if (
-            all(map(is_, (owner, *kept), self._looked_at))
+            all(map(is_, (owner, *others), self._trusted))
             and active.shape == step.shape == (self._rows,)
             and len(delayed_scans) == len(delayed_shown) == self._rows
-            and all(map(_is_lent, (active, step, delayed_scans, delayed_shown), _FRESH))
+            and all(map(_is_read_only, (active, step, delayed_scans, delayed_shown), _FRESH))
         ):
             return observation
-        return self._look(observation)
+        return self._admitted(observation)
 
-    def _look(self, observation: Observation) -> Observation:
+    def _admitted(self, observation: Observation) -> Observation:
         """Observation as above, with all of its arrays checked."""
-        if not all(map(_is_lent, observation, _TYPES)):
+        if not all(map(_is_read_only, observation, _TYPES)):
             return _checked(observation, self._task, self._rows)
         _check_shapes(observation, self._task, self._rows)
-        self._looked_at = observation.owner, *observation[2:14]
+        self._trusted = observation.owner, *observation[2:14]
         return observation
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy scans anew."""
+        """A copy checks anew."""
         return Plain, (self._task, self._rows)
 
 
-def _is_lent(array: NDArray[Any], kind: "np.dtype[Any]") -> bool:
-    """True if an array is as a mission lends it, which keeps its numbers sound."""
-    return array.flags.num & _ASKED == _LENT and array.dtype == kind
+def _is_read_only(array: NDArray[Any], kind: "np.dtype[Any]") -> bool:
+    """True if an array is as a mission hands it over, which keeps its numbers sound."""
+    return array.flags.num & _ASKED == _READ_ONLY and array.dtype == kind
 
 
 def plain_truth(truth: GroundTruth, task: Task) -> GroundTruth:

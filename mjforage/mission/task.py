@@ -130,7 +130,7 @@ class Task:
 class DelayedScans(NamedTuple):
     """Scans that an owner has received just now, and that are older: news that is delayed.
 
-    What they tell of is in the observation too, where nothing newer is known; a policy that works
+    Their content is in the observation too, where nothing newer is known; a policy that works
     with time takes them in at their own step. In order of their steps.
     """
 
@@ -180,7 +180,7 @@ class Observation(NamedTuple):
     last_seen: NDArray[np.int16]  # (row, node) step, NEVER if not yet seen
     known: Int32Array  # (row, node) nodes with belief > 0, in no particular order
     n_known: Int32Array  # (row,) how many entries of `known` count
-    agent_seen: Int32Array  # (row, agent) step of which `agent_node` tells; now is `step` - 1
+    agent_seen: Int32Array  # (row, agent) step of `agent_node`; now is `step` - 1
     taken: NDArray[np.int64]  # (row, agent) items it had taken aboard by then
     pickup: NDArray[np.int8]  # (row, agent) how its picking up ended then, see `PICKUPS`
     agent_yaw: NDArray[np.float64]  # (row, agent) heading then [rad], 0 east, counter-clockwise

@@ -1,8 +1,10 @@
-"""The folder of the shipped data: vessels, maps, scenarios and weights."""
+"""The shipped data (vessels, maps, scenarios and weights), and files named beside it."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _PLACES = (_PACKAGE / "models", _PACKAGE.parent / "models")  # an installed wheel, a checkout
@@ -21,3 +23,34 @@ def models_folder() -> Path:
             return place
     tried = " or ".join(str(place) for place in _PLACES)
     raise UserError(f"shipped data not found as {tried}; install mjforage again")
+
+
+def named_file(
+    kind: str, reference: str, shipped: Mapping[str, Path], what: str, suffix: str = ""
+) -> Path:
+    """File of a shipped name, in which dashes and underscores are alike, or of a path.
+
+    Parameters
+    ----------
+    kind : for messages: map, scenario or vessel
+    shipped : name -> file
+    what : such a file, for messages
+    suffix : end of the names of such files; empty: any
+
+    Raises
+    ------
+    UserError
+        If there is no such name or file, with the nearest name.
+    """
+    for name in (reference, reference.replace("_", "-"), reference.replace("-", "_")):
+        if name in shipped:
+            return shipped[name]
+    path = Path(reference)
+    try:
+        if path.is_file() and (not suffix or path.suffix == suffix):
+            return path
+        meant = suffix and Path(f"{reference}{suffix}").is_file()
+    except (OSError, ValueError) as error:
+        raise UserError(f"{kind} {reference}: cannot be opened ({error})") from error
+    hint = f"did you mean {reference}{suffix}?" if meant else nearest(path.stem.lower(), shipped)
+    raise UserError(f"{kind} {reference}: neither a shipped {kind} nor {what}; {hint}")

@@ -109,15 +109,9 @@ def _fault(capture: Capture) -> str:
     for follow in capture.follows:
         if follow.taken > follow.trials:
             return f"follows {follow.quays}: {follow.taken} taken of {follow.trials} trials"
-    cells = list(itertools.product(QUAYS, FROM_M, FROM_DEG))
-    return _not_once("cells", places, cells) or _not_once("follows", kinds, QUAYS)
-
-
-def _not_once(name: str, found: Sequence[object], wanted: Sequence[object]) -> str:
-    for place in (*wanted, *found):
-        if found.count(place) != wanted.count(place):
-            return f"{name} {place}: {found.count(place)} entries, not {wanted.count(place)}"
-    return ""
+    if sorted(places) != sorted(itertools.product(QUAYS, FROM_M, FROM_DEG)):
+        return "cells are not every combination of quays, from_m and from_deg once"
+    return "" if sorted(kinds) == sorted(QUAYS) else "follows are not every kind of quays once"
 
 
 def capture_text(capture: Capture, head: Sequence[str]) -> str:

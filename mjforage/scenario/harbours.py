@@ -126,11 +126,11 @@ def _roomy(water: Cells) -> Cells:
     squares = water[1:, 1:] & water[1:, :-1] & water[:-1, 1:] & water[:-1, :-1]
     label, _ = ndimage.label(squares)
     swept = label == 1 + np.bincount(label[squares])[1:].argmax()
-    kept = np.zeros_like(water, order="C")
+    water_left = np.zeros_like(water, order="C")
     for down in (0, 1):
         for right in (0, 1):
-            kept[down : down + swept.shape[0], right : right + swept.shape[1]] |= swept
-    return kept
+            water_left[down : down + swept.shape[0], right : right + swept.shape[1]] |= swept
+    return water_left
 
 
 def _drawn_size(key: np.uint64) -> tuple[int, int]:

@@ -3,7 +3,6 @@
 Rows and columns are counted from 0, row 0 at the north edge, column 0 at the west edge.
 """
 
-import difflib
 import logging
 from pathlib import Path
 from typing import Literal
@@ -12,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import atomic_write
-from mjforage.base.errors import UserError
-from mjforage.scenario.assets import models_folder
+from mjforage.scenario.assets import models_folder, named_file
 from mjforage.scenario.map_formats import (
     DARK,
     IMAGE_SUFFIXES,
@@ -28,10 +26,10 @@ WaterIs = Literal["light", "dark"]
 logger = logging.getLogger(__name__)
 
 
-def shipped_maps() -> tuple[str, ...]:
-    """Names of the maps that come with the package, in alphabetical order."""
-    files = (models_folder() / "maps").glob("*.csv")
-    return tuple(sorted(f.stem for f in files if not f.stem.endswith(".starts")))
+def shipped_maps() -> dict[str, Path]:
+    """Name -> file of the maps that come with the package, in alphabetical order."""
+    files = sorted((models_folder() / "maps").glob("*.csv"))
+    return {file.stem: file for file in files if not file.stem.endswith(".starts")}
 
 
 def write_table(cells: NDArray[np.bool_], path: Path) -> None:
@@ -53,33 +51,14 @@ def is_shipped_map(reference: str) -> bool:
 
 
 def map_path(reference: str) -> Path:
-    """File of a shipped map or of a user's.
-
-    Parameters
-    ----------
-    reference : name of a shipped map (``comb_port`` or ``comb-port``) or a path
+    """File of a shipped map (``comb_port`` or ``comb-port``) or of a user's.
 
     Raises
     ------
     UserError
-        If there is no such map or file; similar names of shipped maps are offered.
+        If there is no such map or file.
     """
-    shipped = shipped_maps()
-    if is_shipped_map(reference):
-        return models_folder() / "maps" / f"{reference.replace('-', '_')}.csv"
-    path = Path(reference)
-    try:
-        if path.is_file():
-            return path
-        if path.exists():
-            raise UserError(f"map {reference!r}: is not a file; give a CSV, text or image file")
-    except (OSError, ValueError) as error:
-        raise UserError(f"map {reference!r}: cannot be opened ({error})") from error
-    close = difflib.get_close_matches(path.stem.replace("-", "_").lower(), shipped, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    raise UserError(
-        f"map {reference!r}: no such file or shipped map; {hint}shipped maps: {', '.join(shipped)}"
-    )
+    return named_file("map", reference, shipped_maps(), "a file of a table or an image")
 
 
 def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ from typing import Any, cast
 from mjforage.base.errors import UserError
 from mjforage.base.references import assigned
 from mjforage.base.toml_files import read_toml
-from mjforage.scenario.assets import models_folder
+from mjforage.scenario.assets import models_folder, named_file
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
 from mjforage.scenario.scenario import SCAN_BYTES, Link, Scenario
@@ -24,9 +24,15 @@ from mjforage.scenario.schema import NAME, check, rows, shown
 Tree = dict[str, Any]
 
 
+def _presets() -> dict[str, Path]:
+    """Name -> file of the scenarios that ship with the package."""
+    files = sorted((models_folder() / "scenarios").glob("*.toml"))
+    return {file.stem: file for file in files}
+
+
 def preset_names() -> list[str]:
     """Names of the scenarios that ship with the package."""
-    return sorted(path.stem for path in (models_folder() / "scenarios").glob("*.toml"))
+    return list(_presets())
 
 
 def scenario_path(reference: str) -> Path:
@@ -37,20 +43,7 @@ def scenario_path(reference: str) -> Path:
     UserError
         If there is no such preset or file.
     """
-    name = reference.replace("_", "-")
-    if name in preset_names():
-        return models_folder() / "scenarios" / f"{name}.toml"
-    path = Path(reference)
-    try:
-        if path.suffix == ".toml" and path.is_file():
-            return path
-        meant = Path(f"{reference}.toml").is_file()
-    except (OSError, ValueError) as error:
-        raise UserError(f"scenario {reference}: cannot be opened ({error})") from error
-    close = difflib.get_close_matches(name, preset_names(), n=1)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(preset_names())}"
-    hint = f"did you mean {reference}.toml?" if meant else hint
-    raise UserError(f"scenario {reference}: neither a preset nor a TOML file; {hint}")
+    return named_file("scenario", reference, _presets(), "a TOML file", ".toml")
 
 
 def load_scenario(
@@ -237,7 +230,7 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         )
     if sensors.map == "filtered" and sensors.perfect:
         raise UserError(
-            f'{where}: sensors.map = "filtered", but scans miss and invent nothing; give '
+            f'{where}: sensors.map = "filtered", but scans are perfect; give '
             "sensors.detection, for example 0.9"
         )
     choice = scenario.corruption

@@ -1,20 +1,23 @@
 """Files of vessels and of their capture models, and the vessel of every agent."""
 
-import difflib
 from pathlib import Path
 
-from mjforage.base.errors import UserError
-from mjforage.scenario.assets import models_folder
+from mjforage.scenario.assets import models_folder, named_file
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Physics
 
 _CAPTURE = ".capture.toml"  # beside a vessel's file: how it picks up
 
 
+def _shipped() -> dict[str, Path]:
+    """Name -> file of the vessels that ship with the package."""
+    files = sorted((models_folder() / "vessels").glob("*.toml"))
+    return {file.stem: file for file in files if not file.name.endswith(_CAPTURE)}
+
+
 def vessel_names() -> list[str]:
     """Names of the vessels that ship with the package."""
-    files = (models_folder() / "vessels").glob("*.toml")
-    return sorted(path.stem for path in files if not path.name.endswith(_CAPTURE))
+    return list(_shipped())
 
 
 def vessel_path(name_or_path: str | Path) -> Path:
@@ -25,21 +28,7 @@ def vessel_path(name_or_path: str | Path) -> Path:
     UserError
         If there is no such vessel or file.
     """
-    names = vessel_names()
-    if str(name_or_path) in names:
-        return models_folder() / "vessels" / f"{name_or_path}.toml"
-    path = Path(name_or_path)
-    try:
-        if path.suffix == ".toml" and path.is_file():
-            return path
-    except (OSError, ValueError) as error:
-        raise UserError(f"vessel {name_or_path}: cannot be opened ({error})") from error
-    if path.suffix == ".toml":
-        where = "" if path.is_absolute() else f" from {Path.cwd()}"
-        raise UserError(f"vessel {name_or_path}: no such file{where}; mend the path")
-    close = difflib.get_close_matches(str(name_or_path), names, n=1)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
-    raise UserError(f"vessel {name_or_path}: neither a shipped vessel nor a TOML file; {hint}")
+    return named_file("vessel", str(name_or_path), _shipped(), "a TOML file", ".toml")
 
 
 def capture_path(name_or_path: str | Path) -> Path:

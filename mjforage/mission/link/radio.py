@@ -17,7 +17,7 @@ from mjforage.mission.knowledge import Knowledge, Scans
 from mjforage.mission.link.contacts import Air, Contacts, connect
 from mjforage.mission.link.gossip import Inbox, Terms, Traffic, arrivals, inbox, pass_on, traffic
 from mjforage.mission.scan_log import ScanLog, log_scans, take_in
-from mjforage.mission.sensors.map_filter import MapFilter, correct, glimpse, round_off
+from mjforage.mission.sensors.map_filter import MapFilter, add_scan, correct, round_off
 from mjforage.mission.sensors.sensing import map_filter
 from mjforage.mission.task import DelayedScans, Task
 from mjforage.scenario.scenario import Scenario
@@ -54,7 +54,7 @@ def _weigh(net: Net, e: int, h: int, now: int, knowledge: Knowledge) -> None:
     for s in range(first, now + 1):
         for a in range(agents):
             if 0 <= received_at[e, h, a, s] <= now:
-                glimpse(filtered, a, log.node[e, s, a], log.shown[e, s, a])
+                add_scan(filtered, a, log.node[e, s, a], log.shown[e, s, a])
         correct(filtered, row)
     round_off(filtered, row, knowledge)
 
@@ -124,17 +124,17 @@ class Radio:
         """
         self._scenario, self.owners = scenario, agents
         self.owner_of = read_only(np.arange(agents, dtype=np.int64))
-        self._lent_knowledge, self._lent_net = CachedViews[Knowledge](), CachedViews[Net]()
+        self._knowledge_views, self._net_views = CachedViews[Knowledge](), CachedViews[Net]()
 
     @property
     def knowledge(self) -> Knowledge:
         """Knowledge of every agent."""
-        return self._lent_knowledge.of(self._knowledge)
+        return self._knowledge_views.of(self._knowledge)
 
     @property
     def net(self) -> Net:
         """All arrays of the link, read-only."""
-        return self._lent_net.of(self._net)
+        return self._net_views.of(self._net)
 
     def reset(self, task: Task, scans: Scans, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the scans of step 0."""

@@ -4,11 +4,11 @@ import numpy as np
 
 from mjforage import metrics
 from mjforage.mission.scoring.known import metric
-from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView, TimeMean
 
 
 @metric
-class AgeOfInformation(Metric):
+class AgeOfInformation(TimeMean):
     """Mean over the navigable nodes of the steps since a scan that the owner has received saw them,
     T if none; mean over the owners, time mean.
 
@@ -27,10 +27,6 @@ class AgeOfInformation(Metric):
         if owners > 1:
             ages = ages.reshape(-1, owners).mean(axis=1)
         return ages[view.episodes]
-
-    def value(self, batch: Batch) -> FloatArray:
-        """(episode,) [step]."""
-        return np.asarray(batch.series(AgeOfInformation).mean(axis=1))
 
 
 @metric

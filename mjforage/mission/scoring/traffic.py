@@ -7,11 +7,11 @@ import numpy as np
 from mjforage import metrics
 from mjforage.mission.mission import Mission
 from mjforage.mission.scoring.known import metric
-from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView
+from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView, TimeMean
 
 
 @metric
-class Contact(Metric):
+class Contact(TimeMean):
     """Pairs of agents in reach of each other, of all; time mean.
 
     `docs/concepts/metrics.md`. In reach is also a pair whose link is bad now, and loses all.
@@ -29,10 +29,6 @@ class Contact(Metric):
         link = view.mission.exchange.link_log
         assert link is not None  # where it is, nothing is taken
         return metrics.contact_share(link.contact[view.episodes])
-
-    def value(self, batch: Batch) -> FloatArray:
-        """(episode,)."""
-        return np.asarray(batch.series(Contact).mean(axis=1))
 
 
 class Total(Metric):

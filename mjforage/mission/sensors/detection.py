@@ -48,7 +48,7 @@ def corrected(density: float, chance: float, false_rate: float, seen: int) -> fl
 
     (1 - p) D + c p D / (p D + f), the corrector of the probability hypothesis density filter
     (R. P. S. Mahler, IEEE Transactions on Aerospace and Electronic Systems 39, 2003); what is seen
-    is there if nothing is invented.
+    is there if there are no false positives.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def real_if_seen(real: float, chance: float, false_rate: float) -> float:
 
 @inlined
 def real_if_new(density: float, chance: float, false_rate: float) -> float:
-    """Chance that a new sighting is an item: p D / (p D + f), 1 if nothing is invented.
+    """Chance that a new sighting is an item: p D / (p D + f), 1 without false positives.
 
     Parameters
     ----------

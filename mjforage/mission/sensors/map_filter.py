@@ -1,9 +1,9 @@
 """A map that weighs all scans: items expected in every node, and of those the nearest whole number.
 
-Where scans miss and invent items the last count is not the best guess. Every owner keeps the items
-expected in each node; all scans of a step correct them once (they detect or miss an item together),
-by the best chance and the largest count. A delayed scan makes it start again from
-the first.
+Where scans miss items or show false positives, the last count is not the best guess. Every owner
+keeps the items expected in each node. All scans of a step correct them once, by the best chance and
+the largest count, because they detect or miss an item together. A delayed scan makes the filter
+start again from the first.
 """
 
 from typing import NamedTuple
@@ -28,7 +28,7 @@ class MapFilter(NamedTuple):
     density: NDArray[np.float64]  # (row, node) items expected
     chance: NDArray[np.float64]  # (square,) to detect one, by squared distance
     false_rate: float  # items per node and step that are seen and are none
-    prior: float  # items expected in a node before anybody has looked
+    prior: float  # items expected in a node before any scan
     views: NodeLists
     radius_number: NDArray[np.int64]  # (agent,)
     rows: Int32Array  # (node,)
@@ -44,7 +44,7 @@ class MapFilter(NamedTuple):
 
 
 @kernel
-def glimpse(filtered: MapFilter, agent: int, viewer: int, shown: NDArray[np.int16]) -> None:
+def add_scan(filtered: MapFilter, agent: int, viewer: int, shown: NDArray[np.int16]) -> None:
     """Add a scan to those of the step at hand.
 
     Parameters

@@ -93,9 +93,9 @@ def map_filter(scenario: Scenario, task: Task, rows: int) -> MapFilter:
     """Filter of counts for `rows` rows of knowledge; of size 0 if they believe the last scan."""
     nodes, sensors = len(task.graph), scenario.sensors
     weighs = sensors.map == "filtered" and not sensors.perfect
-    prior, kept = scenario.items.mean / nodes, rows if weighs else 0
+    prior, size = scenario.items.mean / nodes, rows if weighs else 0
     return MapFilter(
-        density=np.full((kept, nodes), prior),
+        density=np.full((size, nodes), prior),
         chance=detection_chances(sensors, task),
         false_rate=sensors.false_rate,
         prior=prior,
@@ -115,7 +115,7 @@ def no_shown(task: Task, episodes: int, perfect: bool) -> NDArray[np.int16]:
 
 
 @kernel
-def _look_around(
+def _mark_view(
     sensing: Sensing,
     views: NodeLists,
     radius: int,
@@ -167,11 +167,11 @@ def _detect(
 
 
 @kernel
-def _invent(
+def _add_false_positives(
     sensing: Sensing, nodes: Int32Array, key: np.uint64, step: int, shown: NDArray[np.int16]
 ) -> None:
     """Add false positives in view (node,), but where a collector is: it would wait for ever."""
-    epoch, drawn = step // sensing.false_hold, stream_key(key, Stream.GHOSTS)
+    epoch, drawn = step // sensing.false_hold, stream_key(key, Stream.FALSE_POSITIVES)
     for i in range(nodes.size):
         if shown[i] >= 0 and not sensing.manned[nodes[i]]:
             shown[i] += uniform(drawn, nodes[i], epoch) < sensing.false_rate
@@ -204,10 +204,10 @@ def sense(
         for agent in credit_order:
             radius, viewer, shown = radius_number[agent], at[e, agent], scans.shown[e, agent]
             nodes = views.nodes[start[radius, viewer] : start[radius, viewer + 1]]
-            _look_around(sensing, views, radius, viewer, scans.agent_yaw[e, agent], shown)
+            _mark_view(sensing, views, radius, viewer, scans.agent_yaw[e, agent], shown)
             _detect(sensing, ledger, keys[e], e, step, agent, viewer, shown)
             if sensing.false_rate > 0.0:
-                _invent(sensing, nodes, keys[e], step, shown)
+                _add_false_positives(sensing, nodes, keys[e], step, shown)
             sensing.place[nodes] = 0
         for agent in range(collects.size):
             sensing.manned[at[e, agent]] = False

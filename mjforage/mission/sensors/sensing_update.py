@@ -11,7 +11,7 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.knowledge import Knowledge, Scans, receive
 from mjforage.mission.ledger import Ledger, count, credit
-from mjforage.mission.sensors.map_filter import MapFilter, correct, glimpse, round_off
+from mjforage.mission.sensors.map_filter import MapFilter, add_scan, correct, round_off
 from mjforage.mission.sensors.sensing import Sensing, sense, sensing
 from mjforage.mission.task import Task
 from mjforage.scenario.scenario import Sensors
@@ -30,7 +30,7 @@ class SensorConfig(NamedTuple):
 
 
 @kernel
-def _look(
+def _sense_perfectly(
     config: SensorConfig,
     ledger: Ledger,
     knowledge: Knowledge,
@@ -78,7 +78,7 @@ def _sense_imperfectly(
     for e in range(filtered.density.shape[0]):
         if scans.active[e]:
             for agent in range(radius_number.size):
-                glimpse(filtered, agent, scans.agent_node[e, agent], scans.shown[e, agent])
+                add_scan(filtered, agent, scans.agent_node[e, agent], scans.shown[e, agent])
             correct(filtered, e)
             round_off(filtered, e, knowledge)
 
@@ -114,10 +114,10 @@ class SensingUpdate:
             np.empty(items, np.int32),
         )
         if sensors.perfect:
-            self._look = BoundKernel(_look, config, ledger, knowledge)
+            self._scan = BoundKernel(_sense_perfectly, config, ledger, knowledge)
         else:
             sees = sensing(sensors, task, keys, items)
-            self._look = BoundKernel(_sense_imperfectly, config, sees, filtered, ledger, knowledge)
+            self._scan = BoundKernel(_sense_imperfectly, config, sees, filtered, ledger, knowledge)
 
     def scan(self, scans: Scans, item_node: Int32Array, taken_by: NDArray[np.int16]) -> None:
         """Take in the end of a step.
@@ -129,7 +129,7 @@ class SensingUpdate:
         item_node : (episode, item) node of each item, -1 once removed
         taken_by : (episode, item) agent that removed it, -1 none
         """
-        self._look(
+        self._scan(
             scans.plain(),
             np.ascontiguousarray(item_node, np.int32),
             np.ascontiguousarray(taken_by, np.int16),

@@ -77,7 +77,7 @@ pytestmark = pytest.mark.usefixtures("here")
         (["report"], "FOLDER"),
         (["render", "nowhere", "-o", "a.png"], "nowhere/run.json: file is missing"),
         (["render", "nowhere"], "render --out is missing, or its value: FILE.mp4, FILE.gif"),
-        (["maps", "nowhere"], "map 'nowhere': no such file or shipped map"),
+        (["maps", "nowhere"], "map nowhere: neither a shipped map"),
         (["maps", "harbour:comb:7"], "no kind 'comb'; give harbour:KIND:SEED or harbour:KIND:SEED"),
         (["maps", "harbours:0-2", "-o", "a.csv"], "picture a.csv: unknown kind; give"),
         ([*EVALUATE, "--map", "harbours:0-2"], "give one, such as harbour:combs:0"),
@@ -113,7 +113,9 @@ def test_the_file_of_a_scenario_is_printed(
         Path("mine.toml").write_text(command("scenarios", name).out)
         assert load_scenario("mine.toml") == load_scenario(name)
     Path("mine.toml").unlink()
-    assert "comb-prot: neither a preset nor a TOML file" in refused("scenarios", "comb-prot")
+    assert "comb-prot: neither a shipped scenario nor a TOML file" in refused(
+        "scenarios", "comb-prot"
+    )
     both = ("scenarios", "comb-port", "--explain", "horizon")
     assert "scenarios comb-port --explain horizon: give one of them" in refused(*both)
 

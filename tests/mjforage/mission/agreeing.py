@@ -34,7 +34,7 @@ def play(
 
 def agree(mission: Mission, slow: list[SlowMission]) -> None:
     """Compare all that there is."""
-    held, pooled = mission.owner_observation, mission.observation
+    owned, pooled = mission.owner_observation, mission.observation
     for e, oracle in enumerate(slow):
         assert mission.active[e] == (not oracle.over)
         assert mission.step[e] == oracle.step
@@ -46,10 +46,10 @@ def agree(mission: Mission, slow: list[SlowMission]) -> None:
         )
         for owner, mind in enumerate(oracle.minds):
             row = e * len(oracle.minds) + owner
-            _mind(held, row, oracle, mind)
-            assert held.owner[row] == (owner if len(oracle.minds) > 1 else -1)
+            _mind(owned, row, oracle, mind)
+            assert owned.owner[row] == (owner if len(oracle.minds) > 1 else -1)
             if oracle.link and mission.active[e]:
-                _late(mission, held, row, oracle.delayed[owner])
+                _late(mission, owned, row, oracle.delayed[owner])
 
 
 def _agents(mission: Mission, e: int, oracle: SlowMission) -> None:
@@ -107,14 +107,14 @@ def _mind(seen: Observation, row: int, oracle: SlowMission, mind: Mind) -> None:
         assert seen.agent_yaw[row, a] == pytest.approx(scan.yaw)
 
 
-def _late(mission: Mission, held: Observation, row: int, delayed: list[Scan]) -> None:
-    listed = held.delayed_scans[row]
-    told = [tuple(scan) for scan in listed.tolist() if scan[0] >= 0]
-    assert told == [(scan.step, scan.agent, scan.node) for scan in delayed]
+def _late(mission: Mission, owned: Observation, row: int, delayed: list[Scan]) -> None:
+    listed = owned.delayed_scans[row]
+    listed_scans = [tuple(scan) for scan in listed.tolist() if scan[0] >= 0]
+    assert listed_scans == [(scan.step, scan.agent, scan.node) for scan in delayed]
     for i, scan in enumerate(delayed):
         radius = int(mission.task.radius_number[scan.agent])
         nodes = mission.task.views.of(scan.node, radius).tolist()
-        shown = zip(nodes, held.delayed_shown[row, i].tolist(), strict=False)
+        shown = zip(nodes, owned.delayed_shown[row, i].tolist(), strict=False)
         assert {node: items for node, items in shown if items >= 0} == scan.counts
 
 

@@ -44,7 +44,7 @@ CORRUPTION: dict[str, Any] = {
     "corruption.epsilon": (0.3, 1.0),
     "corruption.whole_team": (True, False),
 }
-EYES: dict[str, Any] = {
+SENSORS: dict[str, Any] = {
     "sensors.detection": (0.6, 0.9),
     "sensors.slope_node": (0.5, 1.0),
     "sensors.persistence": (0.0, 0.3),
@@ -112,7 +112,7 @@ class Drawn:
 def scenarios(draw: st.DrawFn) -> Drawn:
     """Scenarios of all kinds."""
     choices: dict[str, Any] = TEAMS | WORLD
-    for part in (WIND, CORRUPTION, EYES, LINK):
+    for part in (WIND, CORRUPTION, SENSORS, LINK):
         choices = choices | (part if draw(st.booleans()) else {})
     drawn: dict[str, Any] = {key: draw(st.sampled_from(values)) for key, values in choices.items()}
     if drawn["team.scouts.count"] + drawn["team.foragers.count"] == 0:

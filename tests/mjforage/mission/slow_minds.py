@@ -94,7 +94,7 @@ class SensorConfig:
     def false_positive(self, node: int, step: int) -> bool:
         """Whether an item is seen in a node that is none."""
         epoch = step // self.sensors.false_hold
-        there = drawn(self.key, Stream.GHOSTS, node, epoch) < self.sensors.false_rate
+        there = drawn(self.key, Stream.FALSE_POSITIVES, node, epoch) < self.sensors.false_rate
         self.met["invented"] += there
         return there
 

@@ -61,7 +61,7 @@ def played(mission: Mission, steps: int, policy: str = "greedy") -> Mission:
     return mission
 
 
-def held(mission: Mission, but: set[str]) -> Arrays:
+def arrays_of(mission: Mission, but: set[str]) -> Arrays:
     """All arrays by their paths."""
     found = dict(arrays(mission, "", {}))
     return {path: array for path, array in found.items() if not but & {*path.split("/")}}
@@ -69,7 +69,7 @@ def held(mission: Mission, but: set[str]) -> Arrays:
 
 def assert_rows(one: Mission, other: Mission, rows: list[int], but: set[str] = SCRATCH) -> None:
     """The same in some episodes; what is not by episodes is the same as a whole."""
-    mine, theirs = held(one, but), held(other, but)
+    mine, theirs = arrays_of(one, but), arrays_of(other, but)
     assert mine.keys() == theirs.keys() and len(mine) > 100
     assert written(mine) == written(theirs)
     episodes, owners = one.keys.size, one.exchange.owners

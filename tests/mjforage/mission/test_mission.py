@@ -73,33 +73,11 @@ def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
         assert (log.t_collected == -1).all() and (log.length == 40).all()
 
 
-def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> None:
-    setup = setup_of("comb-port", "items.mean=2000", "items.std=0")
-    mission = Mission(setup)
-    mission.reset(0, np.arange(20))
-    assert (mission.state.item_node >= 0).all()
-    found = mission.ledger.t_discovered == 0
-    assert found.any()
-    by_scouts = mission.times_seen(setup.fleet.discoverers, np.arange(20)) > 0
-    seen_by_scouts = np.take_along_axis(by_scouts, mission.state.item_node, axis=1)
-    np.testing.assert_array_equal(  # a tie goes to the scouts
-        np.isin(mission.ledger.discovered_by, setup.fleet.discoverers), seen_by_scouts
-    )
-    assert (mission.ledger.t_discovered[~found] == -1).all()
-
-
 @pytest.mark.parametrize("capability", ["carries", "relays"])
 def test_what_a_role_can_do_and_nothing_uses_is_refused(capability: str) -> None:
     setup = setup_of("comb-port", f"team.scouts.{capability}=true")
     with pytest.raises(UserError, match=rf"team\.scouts\.{capability} = true, but no rule"):
         Mission(setup)
-
-
-def test_starts_on_land_and_crowded_ponds_are_refused() -> None:
-    with pytest.raises(UserError, match=r"start \(0, 0\).*land.*map\.starts"):
-        setup_of("comb-port", "map.starts=[[0,0]]")
-    with pytest.raises(UserError, match=r"200 agents do not fit|agents"):
-        setup_of("comb-port", "team.scouts.count=255", "team.foragers.count=200")
 
 
 def test_more_agents_than_starts_take_the_nearest_free_nodes() -> None:

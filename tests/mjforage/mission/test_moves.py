@@ -167,27 +167,6 @@ def test_corruption_replaces_each_action_with_its_probability_by_a_uniform_legal
         assert counts[move] == pytest.approx(legal.get(move, 0.0), abs=0.03)
 
 
-def test_the_whole_team_draw_corrupts_together_and_still_takes_a_known_item_beside() -> None:
-    teams = {"foragers": Role(2, 1, 1.0, True)}
-    belief = np.zeros((500, len(WATER)), np.int16)
-    belief[:, WATER.node_of_cell[1, 1]] = 3
-    moves = resolve(
-        WATER,
-        teams,
-        [(1, 0), (4, 4)],
-        [[STAY], [STAY]],
-        FREE,
-        episodes=500,
-        corruption=Corruption(np.array([0.5, 0.5]), whole_team=True),
-        belief=belief,
-    )
-    corrupted = moves.direction[:, 0] == E
-    assert 0.4 < corrupted.mean() < 0.6
-    assert (moves.direction[~corrupted, 0] == STAY).all()
-    assert (moves.direction[~corrupted, 1] == STAY).all()
-    assert (moves.direction[corrupted, 1] != STAY).mean() > 0.6
-
-
 @pytest.mark.parametrize(
     ("fault", "words"),
     [

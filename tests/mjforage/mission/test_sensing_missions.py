@@ -17,7 +17,7 @@ from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
 
-EYES = (
+SENSORS = (
     *("sensors.detection=0.7", "sensors.half_range_node=3", "sensors.persistence=0.2"),
     *(
         "sensors.false_rate=0.002",
@@ -73,7 +73,7 @@ def test_items_that_nobody_has_detected_change_nothing(policy: str) -> None:
 
 
 def test_what_is_in_view_in_an_episode_is_told_of_it_alone() -> None:
-    mission, everybody = Mission(setup_of(*EYES)), np.arange(4)
+    mission, everybody = Mission(setup_of(*SENSORS)), np.arange(4)
     mission.reset(5, np.arange(3))
     whole = mission.times_seen(everybody, np.arange(3))
     for e in range(3):
@@ -85,7 +85,7 @@ def test_hulls_look_with_the_same_eyes() -> None:
     """At step 0 hulls lie as agents stand, so both worlds show the same."""
     known = []
     for world in ("graph", "physics"):
-        mission = create_mission(setup_of(*EYES), world)
+        mission = create_mission(setup_of(*SENSORS), world)
         mission.reset(5, np.arange(3))
         knowledge = mission.knowledge
         known.append((knowledge.belief.copy(), knowledge.last_seen.copy()))

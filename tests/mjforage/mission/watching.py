@@ -24,7 +24,7 @@ def task_of(shape: tuple[int, int], **teams: Role) -> Task:
     return Task(graph, Fleet.of(teams), MoveRules(True, True), 100)
 
 
-def looks_of(ledger: Ledger, at: NDArray[np.int32], shown: NDArray[np.int16]) -> Scans:
+def scans_of(ledger: Ledger, at: NDArray[np.int32], shown: NDArray[np.int16]) -> Scans:
     """Scans of step 0 from some nodes (episode, agent)."""
     return Scans(
         active=np.ones(len(at), np.bool_),
@@ -65,7 +65,7 @@ class Watched:
         ledger = Ledger.of(item_node, len(task.graph))
         shown = no_shown(task, keys.size, sensors.perfect)
         nodes = np.broadcast_to(np.array(at, np.int32), (keys.size, len(task.fleet)))
-        scans = looks_of(ledger, np.ascontiguousarray(nodes), shown)
+        scans = scans_of(ledger, np.ascontiguousarray(nodes), shown)
         scans.agent_yaw[:] = yaw
         self.knowledge, self.ledger = Knowledge.of_starts(scans, len(task.graph)), ledger
         filtered = map_filter(replace(load_scenario("comb-port"), sensors=sensors), task, keys.size)

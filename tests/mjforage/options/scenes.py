@@ -195,7 +195,7 @@ def _played(scene: Scene, changes: list[str]) -> dict[str, list[bytes]]:
 
 def mission_parts(mission: Mission) -> dict[str, list[NDArray[Any]]]:
     """What there is in a mission of one episode, by the names that scenes have for it."""
-    setup, state, pooled, held = (
+    setup, state, pooled, owned = (
         mission.setup,
         mission.state,
         mission.knowledge,
@@ -208,8 +208,8 @@ def mission_parts(mission: Mission) -> dict[str, list[NDArray[Any]]]:
         "items": [state.item_rc],
         "taken": [state.collected_by],
         "pooled": [pooled.belief, pooled.last_seen],  # what the fleet knows of items together
-        "held": [held.belief, held.last_seen],  # what those who decide know of them
-        "heard": [held.agent_node, held.agent_seen],  # and of each other
+        "held": [owned.belief, owned.last_seen],  # what those who decide know of them
+        "heard": [owned.agent_node, owned.agent_seen],  # and of each other
         "work": [state.work],
     }
     for i, name in enumerate(setup.fleet.team_names):

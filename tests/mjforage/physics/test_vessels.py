@@ -114,9 +114,9 @@ def test_errors_name_file_key_and_remedy(tmp_path: Path, text: str, message: str
     ("name", "words"),
     [
         ("oter", "neither a shipped vessel nor a TOML file; did you mean otter"),
-        ("nowhere.toml", "nowhere.toml: no such file from /.*; mend the path"),
-        ("/nowhere.toml", "/nowhere.toml: no such file; mend the path"),
-        ("a\0b.toml", "no such file|cannot be opened"),
+        ("nowhere.toml", "vessel nowhere.toml: neither a shipped vessel nor a TOML file; choose"),
+        ("/nowhere.toml", "/nowhere.toml: neither a shipped vessel"),
+        ("a\0b.toml", "neither a shipped vessel|cannot be opened"),
     ],
 )
 def test_unknown_vessels_are_refused(name: str, words: str) -> None:

@@ -51,13 +51,9 @@ def more_taken_than_tried(capture: Capture) -> Capture:
     ("spoilt", "words"),
     [
         (more_taken_than_tried, "4 taken of 3 trials"),
-        (lambda c: replace(c, cells=c.cells[1:]), "cells ('open', 0.0, 0.0): 0 entries, not 1"),
-        (lambda c: replace(c, cells=(*c.cells, c.cells[0])), "0.0): 2 entries, not 1"),
-        (
-            lambda c: replace(c, cells=(*c.cells, replace(c.cells[0], from_m=2.0))),
-            "cells ('open', 2.0, 0.0): 1 entries, not 0",
-        ),
-        (lambda c: replace(c, follows=c.follows[:2]), "follows corner: 0 entries, not 1"),
+        (lambda c: replace(c, cells=c.cells[1:]), "cells are not every combination of quays"),
+        (lambda c: replace(c, cells=(*c.cells, c.cells[0])), "cells are not every combination"),
+        (lambda c: replace(c, follows=c.follows[:2]), "follows are not every kind of quays once"),
         (lambda c: replace(c, period_s=0.0), "period_s = 0.0 should be "),
         (
             lambda c: replace(c, cells=(replace(c.cells[0], taken=(1, 2)), *c.cells[1:])),

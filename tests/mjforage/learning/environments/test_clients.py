@@ -71,7 +71,7 @@ def test_stable_baselines3_accepts(name: str) -> None:
         ({"reward": "removed"}, "reward = 'removed': give a weight for each term"),
         ({"reward": {"removed": float("nan")}}, "reward removed = nan: give a finite number"),
         ({"render_mode": "ansi"}, "render_mode = 'ansi': unknown; choose None, rgb_array"),
-        ({"scenario": "nowhere"}, "scenario nowhere: neither a preset nor a TOML file"),
+        ({"scenario": "nowhere"}, "scenario nowhere: neither a shipped scenario nor a TOML file"),
     ],
 )
 def test_bad_options_are_named(options: dict[str, object], words: str) -> None:

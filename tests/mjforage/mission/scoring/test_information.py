@@ -7,59 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.graph.visibility import NodeLists
-from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.exchange import LinkLog
-from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.scan_log import ScanLog
-from mjforage.mission.scoring import METRICS, Scorer
+from mjforage.mission.scoring import METRICS
 from mjforage.mission.scoring.handover import first_received
-from mjforage.mission.task import NEVER
-from tests.mjforage.mission.link.nets import setup_of
-
-OF_LINKS = (
-    *("position_age", "disagreement", "rmse_holders", "contact"),
-    *("delivered", "lost", "dropped", "bytes_sent", "handover"),
-)
-OURS = ("aoi", "aoi_peak", *OF_LINKS)
-
-
-class Ages(Observer):
-    """AoI and age of positions, word for word, of every step of every episode."""
-
-    def __init__(self) -> None:
-        self.aoi: list[NDArray[np.float64]] = []
-        self.positions: list[NDArray[np.float64]] = []
-
-    def see(self, mission: Mission) -> None:
-        known, owners = mission.exchange.knowledge, mission.exchange.owners
-        horizon = mission.setup.scenario.horizon
-        now = np.repeat(mission.step, owners)[:, None].astype(np.int64)
-        ages = np.where(known.last_seen == NEVER, horizon, now - known.last_seen)
-        self.aoi.append(ages.mean(axis=1).reshape(-1, owners).mean(axis=1))
-        if owners > 1:
-            age = (now - known.agent_seen).reshape(-1, owners, owners)
-            others = ~np.eye(owners, dtype=bool)
-            self.positions.append(age[:, others].mean(axis=1))
-
-
-def scored(*overrides: str, policy: str = "greedy", episodes: Any = (0, 1, 2)) -> tuple[Any, ...]:
-    """Scalars and series of a mission, its ages word for word, and the mission itself."""
-    mission = Mission(setup_of(*overrides))
-    mission.reset(5, np.array(episodes))
-    scorer, ages = Scorer(mission), Ages()
-    mission.run(create_policy(policy), (scorer, ages))
-    scores = scorer.scores()
-    return scores.scalars, scores.series, ages, mission
-
-
-def test_without_a_link_maps_have_an_age_and_nothing_else_is_defined() -> None:
-    scalars, series, ages, _ = scored()
-    np.testing.assert_allclose(series["aoi"].T, ages.aoi, rtol=1e-12)
-    np.testing.assert_allclose(scalars["aoi"], np.mean(ages.aoi, axis=0))
-    for key in OF_LINKS:
-        assert np.isnan(scalars[key]).all(), key
-    for key in ("position_age", "disagreement", "rmse_holders", "contact"):
-        assert np.isnan(series[key]).all(), key
 
 
 def test_the_peak_of_the_age_is_that_after_maps_were_known_best() -> None:
@@ -129,19 +80,3 @@ def test_first_hearing_of_an_item(received: dict[int, int], found: int, expected
     item_node = np.zeros((1, STEPS, 1), np.int32)
     about = item_node, np.array([[found]], np.int16), np.array([STEPS - 1], np.int32)
     assert first_received(link, np.array([1]), *about).tolist() == [[expected]]
-
-
-def test_a_look_counts_only_if_it_shows_items_where_the_item_is() -> None:
-    """The scout leaves at step 3; the item is seen at 1, missed at 2, met by the forager at 4."""
-    at = [[0, 2], [0, 2], [0, 2], [1, 2], [1, 0], [1, 0]]
-    shown = [[0, 0], [1, 0], [0, 0], [1, 0], [0, 1], [0, 1]]
-    item_node, found = np.zeros((1, STEPS, 2), np.int32), np.array([[1, -1]], np.int16)
-    end = np.array([STEPS - 1], np.int32)
-    for received, expected in (({2: 2, 3: 3}, 4), ({1: 3}, 3), ({}, 4)):
-        link = link_of(at, shown, received)
-        assert first_received(link, np.array([1]), item_node, found, end).tolist() == [
-            [expected, -1]
-        ]
-    item_node[0, 2:, 0] = -1  # taken, or gone
-    link = link_of(at, shown, {})
-    assert first_received(link, np.array([1]), item_node, found, end).tolist() == [[-1, -1]]

@@ -114,7 +114,7 @@ def test_a_filtered_map_by_hand() -> None:
         ("sensors.detection_table=[[0,0.5],[2,0.9]]", "chances that do not grow"),
         ("sensors.half_range_node=-1", "sensors.half_range_node = -1 should be "),
         ("sensors.map=best", "sensors.map"),
-        ("sensors.map=filtered", "scans miss and invent nothing"),
+        ("sensors.map=filtered", "but scans are perfect"),
         ("sensors.persistence=0.3", "with the same chance of 1 near by"),
         ("sensors.false_hold=0", "sensors.false_hold = 0 should be "),
     ],

@@ -20,7 +20,7 @@ def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
     )
 
 
-class OfHolders(TimeMean):
+class OfOwners(TimeMean):
     """Metric of several belief owners: time mean of a time series."""
 
     better, compared, top = -1, False, 0.0
@@ -32,7 +32,7 @@ class OfHolders(TimeMean):
 
 
 @metric
-class PositionAge(OfHolders):
+class PositionAge(OfOwners):
     """Steps since the newest position that an agent has received a team-mate, mean over both, time
     mean.
 
@@ -50,7 +50,7 @@ class PositionAge(OfHolders):
 
 
 @metric
-class Disagreement(OfHolders):
+class Disagreement(OfOwners):
     """RMSE between the maps of two owners, both smoothed as for RMSE; mean over the pairs, time
     mean.
 
@@ -65,7 +65,7 @@ class Disagreement(OfHolders):
 
 
 @metric
-class ErrorOfHolders(OfHolders):
+class ErrorOfOwners(OfOwners):
     """RMSE of the map by which an agent acts, mean over the owners; RMSE itself is that of the map
     from all scans together.
 
