@@ -110,7 +110,7 @@ def service() -> Figure:
         if scouts[k]:
             axes.plot(heard[k], k, "|", ms=8, color=INK)
     dsl = float(metrics.mean_dsl(EVENTS, [0, 1], HORIZON))
-    csr = float(metrics.csr(EVENTS, [0, 1]))
+    csr = float(metrics.csr_series(EVENTS, [0, 1], HORIZON)[-1])
     told = float(metrics.handover(EVENTS.discovered_at, heard, HORIZON))
     latency = f"DSL = {dsl:.3f}: mean length of the lines\nof items that a scout found, over T"
     rest = (

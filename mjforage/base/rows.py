@@ -31,11 +31,25 @@ def scatter_rows(
 
 
 def scatter_all(
-    into: Arrays, rows: NDArray[np.int64], values: Arrays, nobody: Collection[str] = ()
+    into: Arrays,
+    rows: NDArray[np.int64],
+    values: Arrays,
+    nobody: Collection[str] = (),
+    only: Collection[str] = (),
 ) -> Arrays:
-    """`scatter_rows` for every array of a named tuple, the fields `nobody` filled with -1."""
+    """`scatter_rows` for the arrays of a named tuple.
+
+    Parameters
+    ----------
+    nobody : fields that are filled with -1
+    only : fields that have rows, where others have none; empty: all
+    """
     kind: Any = type(into)
-    names = kind._fields
-    both = zip(names, into, values, strict=True)
-    mixed: Arrays = kind(*(scatter_rows(a, rows, b, -(name in nobody)) for name, a, b in both))
+    each = zip(kind._fields, into, values, strict=True)
+    mixed: Arrays = kind(
+        *(
+            a if only and name not in only else scatter_rows(a, rows, b, -(name in nobody))
+            for name, a, b in each
+        )
+    )
     return mixed

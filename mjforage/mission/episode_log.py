@@ -15,6 +15,9 @@ from mjforage.mission.moves import Moves
 _STATE_TYPES = (
     *("i4", "f8", "f8", "f8", "i1", "f8", "i4", "i2", "f8", "f8", "i4", "f8", "f8", "i1"),
 )  # of the fields of `Transition`
+_TRACK_TYPES = (
+    *("i4", "f4", "f4", "f4", "f4", "f4", "i4", "f4", "f4", "i1", "i1", "i1", "i4"),
+)  # of the fields of `Tracks`
 
 
 class Tracks(NamedTuple):
@@ -115,24 +118,16 @@ class EpisodeLog(Observer):
         shape = (episodes, steps, agents)
         self.n_items = mission.initial.n_items
         self.item_start = mission.initial.item_rc
-        self.agent_node = np.zeros(shape, np.int32)
-        self.agent_rc = np.zeros((*shape, 2), np.float32)
-        self.yaw = np.zeros(shape, np.float32)
-        self.speed = np.zeros(shape, np.float32)
-        self.distance = np.zeros(shape, np.float32)
-        self.energy = np.zeros(shape, np.float32)
-        self.collisions = np.zeros(shape, np.int32)
-        self.impact = np.zeros(shape, np.float32)
-        self.work = np.zeros(shape, np.float32)
-        self.outcome = np.zeros(shape, np.int8)
-        self.pickup = np.zeros(shape, np.int8)
-        self.direction = np.full(shape, -1, np.int8)
-        self.target = np.zeros(shape, np.int32)
-        self.target[:, 0] = mission.state.agent_node
+        tracks = Tracks(*(np.zeros(shape, kind) for kind in _TRACK_TYPES))
+        tracks = tracks._replace(agent_rc=np.zeros((*shape, 2), np.float32))
+        tracks.direction[:] = -1
+        tracks.target[:, 0] = mission.state.agent_node
+        self.agent_node, self.agent_rc, self.yaw, self.speed = tracks[:4]
+        self.distance, self.energy, self.collisions, self.impact, self.work = tracks[4:9]
+        self.outcome, self.pickup, self.direction, self.target = tracks[9:]
         self._linked = mission.exchange.link_log is not None
         items = self.item_start.shape[1] if self._linked else 0
         self.item_node = np.full((episodes, steps, items), -1, np.int32)
-        tracks = Tracks(*(getattr(self, name) for name in Tracks._fields))
         self._write_down = BoundKernel(_write_down, tracks)
         at_rest = np.zeros((episodes, agents), np.int8)
         nowhere = at_rest.astype(np.int32)

@@ -3,14 +3,14 @@
 Items drift by a constant vector plus independent noise per item and step (definitions, section 1).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, inlined, kernel
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key
-from mjforage.base.rows import scatter_all, scatter_rows
+from mjforage.base.rows import scatter_all
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, Water
 from mjforage.graph_planner.graph.walls import WALLS, into_water, put_back
@@ -303,10 +303,6 @@ class ItemRule:
         ----------
         state : of the mixed batch; `advance` changes its items
         """
-        mine, theirs = self._around, other._around
-        names = ("keys", "places", "drift_rc", "room_left")
-        mixed: dict[str, Any] = {
-            name: scatter_rows(getattr(mine, name), rows, getattr(theirs, name)) for name in names
-        }
-        stays = scatter_all(self._stays, rows, other._stays)
-        self._begin(mine._replace(**mixed), stays, state)
+        names = "keys", "places", "drift_rc", "room_left"
+        around = scatter_all(self._around, rows, other._around, only=names)
+        self._begin(around, scatter_all(self._stays, rows, other._stays), state)

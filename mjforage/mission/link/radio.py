@@ -196,16 +196,12 @@ class Radio:
         mine, theirs = self._net, other._net
         own = (rows[:, None] * self.owners + np.arange(self.owners)).reshape(-1)
         self._knowledge = scatter_all(self._knowledge, own, other._knowledge)
-
-        moved = {
-            name: scatter_rows(getattr(mine.inbox, name), rows, getattr(theirs.inbox, name))
-            for name in ("received_at", "newest", "complete", "arrived", "in_flight", "due")
-        }
+        by_episode = "received_at", "newest", "complete", "arrived", "in_flight", "due"
         self._net = mine._replace(
             keys=scatter_rows(mine.keys, rows, theirs.keys),
             log=scatter_all(mine.log, rows, theirs.log),
             contacts=scatter_all(mine.contacts, rows, theirs.contacts),
-            inbox=mine.inbox._replace(**moved),
+            inbox=scatter_all(mine.inbox, rows, theirs.inbox, only=by_episode),
             traffic=scatter_all(mine.traffic, rows, theirs.traffic),
             delayed=scatter_rows(mine.delayed, own, theirs.delayed),
             n_delayed=scatter_rows(mine.n_delayed, own, theirs.n_delayed),

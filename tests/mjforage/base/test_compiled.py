@@ -134,13 +134,6 @@ def test_prepared_kernels_tell_named_tuples_and_kernels_apart() -> None:
         assert BoundKernel(_depth)(Rise(1.0, 3.0)) == -2.0
 
 
-def test_prepared_kernels_look_into_tuples() -> None:
-    whole = np.array([2, 3])
-    factors: list[NDArray[Any]] = [whole.astype(np.float64), whole.astype(np.float32), whole]
-    for factor in factors:
-        assert BoundKernel(_scale, Pair(factor, 1.0))(np.ones(2)) == 7.0
-
-
 class Heard(event.Listener):
     """Answers of `compiling` whenever numba begins to compile."""
 
@@ -221,25 +214,6 @@ def test_kernels_that_kernels_call_are_compiled_once_for_all_numbers_and_not_for
         assert heard.kernels == [("total", True), ("doubled", False)]
         assert kernels.doubled(4) == 8, "Python calls it too, by a compilation of its own"
         assert heard.kernels[2:] == [("doubled", True)]
-
-
-def test_what_kernels_call_has_a_dispatcher_once_one_is_compiled(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A process that finds all on the disk makes none of these, nor waits for it."""
-    bare, njit = [], numba.njit
-
-    def noted(**options: Any) -> Any:
-        bare.append(options["no_cpython_wrapper"])
-        return njit(**options)
-
-    monkeypatch.setattr(numba, "njit", noted)
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    called: Any = kernel(lambda x: x + 1)
-    calling: Any = kernel(lambda x: called(x) + called(2 * x))
-    assert bare == [False, False]
-    assert called(1) == 2 and bare == [False, False]
-    assert calling(1) == 5 and bare == [False, False, True]
 
 
 def test_a_kernel_may_call_itself(kernels: Any) -> None:

@@ -1,5 +1,5 @@
-"""Missions whose scans miss and invent: the same beside whatever else is played, and blind to what
-nobody has detected. `test_plain_mission` says what they see.
+"""Missions with imperfect scans: the same beside whatever else is played, and blind to what nobody
+has detected. `test_plain_mission` says what they see.
 """
 
 from dataclasses import replace
