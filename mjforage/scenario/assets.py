@@ -25,6 +25,12 @@ def models_folder() -> Path:
     raise UserError(f"shipped data not found as {tried}; install mjforage again")
 
 
+def shipped_files(folder: str, suffix: str) -> dict[str, Path]:
+    """Name -> file of what ships in a folder, by name; those with a second suffix are no names."""
+    files = (models_folder() / folder).glob(f"*{suffix}")
+    return {file.stem: file for file in sorted(files, key=lambda f: f.stem) if "." not in file.stem}
+
+
 def named_file(
     kind: str, reference: str, shipped: Mapping[str, Path], what: str, suffix: str = ""
 ) -> Path:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import atomic_write
-from mjforage.scenario.assets import models_folder, named_file
+from mjforage.scenario.assets import named_file, shipped_files
 from mjforage.scenario.map_formats import (
     DARK,
     IMAGE_SUFFIXES,
@@ -28,8 +28,7 @@ logger = logging.getLogger(__name__)
 
 def shipped_maps() -> dict[str, Path]:
     """Name -> file of the maps that come with the package, in alphabetical order."""
-    files = sorted((models_folder() / "maps").glob("*.csv"))
-    return {file.stem: file for file in files if not file.stem.endswith(".starts")}
+    return shipped_files("maps", ".csv")
 
 
 def write_table(cells: NDArray[np.bool_], path: Path) -> None:

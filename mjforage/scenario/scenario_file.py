@@ -15,7 +15,7 @@ from typing import Any, cast
 from mjforage.base.errors import UserError
 from mjforage.base.references import assigned
 from mjforage.base.toml_files import read_toml
-from mjforage.scenario.assets import models_folder, named_file
+from mjforage.scenario.assets import named_file, shipped_files
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
 from mjforage.scenario.scenario import SCAN_BYTES, Link, Scenario
@@ -24,15 +24,9 @@ from mjforage.scenario.schema import NAME, check, rows, shown
 Tree = dict[str, Any]
 
 
-def _presets() -> dict[str, Path]:
-    """Name -> file of the scenarios that ship with the package."""
-    files = sorted((models_folder() / "scenarios").glob("*.toml"))
-    return {file.stem: file for file in files}
-
-
 def preset_names() -> list[str]:
     """Names of the scenarios that ship with the package."""
-    return list(_presets())
+    return list(shipped_files("scenarios", ".toml"))
 
 
 def scenario_path(reference: str) -> Path:
@@ -43,7 +37,8 @@ def scenario_path(reference: str) -> Path:
     UserError
         If there is no such preset or file.
     """
-    return named_file("scenario", reference, _presets(), "a TOML file", ".toml")
+    shipped = shipped_files("scenarios", ".toml")
+    return named_file("scenario", reference, shipped, "a TOML file", ".toml")
 
 
 def load_scenario(

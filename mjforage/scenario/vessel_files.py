@@ -2,22 +2,16 @@
 
 from pathlib import Path
 
-from mjforage.scenario.assets import models_folder, named_file
+from mjforage.scenario.assets import named_file, shipped_files
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Physics
 
 _CAPTURE = ".capture.toml"  # beside a vessel's file: how it picks up
 
 
-def _shipped() -> dict[str, Path]:
-    """Name -> file of the vessels that ship with the package."""
-    files = sorted((models_folder() / "vessels").glob("*.toml"))
-    return {file.stem: file for file in files if not file.name.endswith(_CAPTURE)}
-
-
 def vessel_names() -> list[str]:
     """Names of the vessels that ship with the package."""
-    return list(_shipped())
+    return list(shipped_files("vessels", ".toml"))
 
 
 def vessel_path(name_or_path: str | Path) -> Path:
@@ -28,7 +22,8 @@ def vessel_path(name_or_path: str | Path) -> Path:
     UserError
         If there is no such vessel or file.
     """
-    return named_file("vessel", str(name_or_path), _shipped(), "a TOML file", ".toml")
+    shipped = shipped_files("vessels", ".toml")
+    return named_file("vessel", str(name_or_path), shipped, "a TOML file", ".toml")
 
 
 def capture_path(name_or_path: str | Path) -> Path:
