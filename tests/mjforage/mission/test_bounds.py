@@ -64,7 +64,7 @@ def test_a_bound_is_shown_the_truth_before_every_decision() -> None:
 
 
 @pytest.mark.parametrize(("link", "owners"), [("none", 4), ("ideal", 1)])
-def test_a_bound_that_is_apart_decides_for_each_holder(link: str, owners: int) -> None:
+def test_a_bound_that_is_apart_decides_for_each_owner(link: str, owners: int) -> None:
     peeper, pooled = ApartPeeper(), Peeper()
     mission = played(peeper, f"link.model={link}")
     assert peeper.rows == 3 * owners
@@ -116,7 +116,7 @@ def answers_to(first: Recorder, mission: Mission, hidden: NDArray[np.bool_]) -> 
     return again
 
 
-def test_the_oracle_of_what_was_heard_knows_nothing_else() -> None:
+def test_the_oracle_of_what_was_received_knows_nothing_else() -> None:
     first = Recorder()
     mission = Mission(Setup.of(load_scenario("comb-port", LINK)))
     mission.reset(2, np.arange(2))

@@ -30,7 +30,7 @@ def test_sure_and_unsure_forecasts_add_up() -> None:
     assert metrics.brier(found)[0] == pytest.approx(0.25 / 3)
 
 
-def test_all_holders_of_an_episode_count() -> None:
+def test_all_owners_of_an_episode_count() -> None:
     forecasts = Forecasts(2)
     rows = np.array([[HALF, 0.0, 0.0]] * 2 + [[0.0, 0.0, HALF], [0.0, HALF, 0.0]])
     forecasts.take(rows, TRUTH, np.ones(2, np.bool_))

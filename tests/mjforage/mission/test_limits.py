@@ -36,13 +36,13 @@ def collected(*overrides: str, ignore: bool = False, episodes: int = 6) -> int:
     return int((mission.state.collected_by >= 0).sum())
 
 
-def test_many_small_boats_collect_more_when_full_ones_are_left_out() -> None:
+def test_many_small_vessels_collect_more_when_full_ones_are_left_out() -> None:
     """Over 10 episodes 17 %, over 24 of them 14 %; over 6 only 7."""
     least = 1.08 * collected(*MANY_SMALL, ignore=True, episodes=10)
     assert collected(*MANY_SMALL, episodes=10) > least
 
 
-def test_a_boat_with_energy_takes_over_from_those_without() -> None:
+def test_a_vessel_with_energy_takes_over_from_those_without() -> None:
     """Over 24 episodes 7 % more; 4 to 6 % with two boats and 8, 12 or 24 units of energy."""
     least = 1.04 * collected(*SOON_SPENT, ignore=True, episodes=24)
     assert collected(*SOON_SPENT, episodes=24) > least

@@ -31,7 +31,7 @@ def lent() -> Observation:
     return observation
 
 
-def test_what_a_mission_lends_is_handed_on_as_it_is() -> None:
+def test_what_a_mission_hands_over_is_handed_on_as_it_is() -> None:
     observation = lent()
     plain = Plain(TASK, 2)
     assert plain(observation) is observation
@@ -90,7 +90,7 @@ def test_what_does_not_fit_is_refused_by_name(
 
 
 @pytest.mark.parametrize(("column", "number"), [(0, 200), (1, 2), (2, 42), (2, -2)])
-def test_late_looks_are_of_agents_at_nodes(column: int, number: int) -> None:
+def test_delayed_scans_are_of_agents_at_nodes(column: int, number: int) -> None:
     shown = np.zeros((2, 1, int(np.diff(TASK.views.start, axis=1).max())), np.int16)
     with pytest.raises(UserError, match=f"delayed_scans .* = {number}: expected"):
         Plain(TASK, 2)(seen()._replace(delayed_scans=delayed(column, number), delayed_shown=shown))

@@ -81,7 +81,7 @@ def test_what_is_in_view_in_an_episode_is_told_of_it_alone() -> None:
         np.testing.assert_array_equal(alone[0], whole[e])
 
 
-def test_hulls_look_with_the_same_eyes() -> None:
+def test_hulls_scan_with_the_same_sensors() -> None:
     """At step 0 hulls lie as agents stand, so both worlds show the same."""
     known = []
     for world in ("graph", "physics"):

@@ -68,7 +68,7 @@ def test_planners_know_how_far_radios_reach_in_nodes() -> None:
     assert task_of(model="none").reach_node == 0.0
 
 
-def test_what_is_heard_after_the_mission_is_never_heard() -> None:
+def test_what_is_received_after_the_mission_is_never_received() -> None:
     for latency, reach_node in ((0, 12.8), (19, 12.8), (20, 0.0)):
         task = task_of(model="disk", range_m=64.0, latency=latency)
         assert (task.latency, task.reach_node) == (latency, reach_node)

@@ -37,7 +37,7 @@ def collected(*overrides: str, **how: Any) -> float:
     ],
     ids=" ".join,
 )
-def test_scouts_that_search_in_vain_look_everywhere(wrong: tuple[str, ...]) -> None:
+def test_scouts_that_search_in_vain_scan_everywhere(wrong: tuple[str, ...]) -> None:
     assert collected(*wrong) > 0.9
 
 

@@ -66,7 +66,7 @@ def test_the_newest_goes_first_where_not_all_can_go() -> None:
     assert talk.traffic.dropped[0] == 2 and talk.traffic.bytes[0] == 2 * EMPTY
 
 
-def test_a_look_takes_six_bytes_and_three_for_each_occupied_node() -> None:
+def test_a_scan_takes_six_bytes_and_three_for_each_occupied_node() -> None:
     for most, comes in ((TWO, True), (TWO - 1, False)):
         talk = Talk((0, 1), bytes=most)
         talk.log.occupied[0, 0, 0] = 2
@@ -90,7 +90,7 @@ def test_what_is_under_way_is_neither_sent_again_nor_passed_on() -> None:
     assert talk.inbox.in_flight[0] == talk.traffic.sent[0]
 
 
-def test_what_arrives_is_heard_once_in_the_order_of_its_steps() -> None:
+def test_what_arrives_is_received_once_in_the_order_of_its_steps() -> None:
     """The first scan of 0 is lost, and comes two decisions after the second."""
     talk = Talk((0, 1), latency=2)
     talk.contacts.bad[0, 0, 1] = True
@@ -111,7 +111,7 @@ def test_what_arrives_is_heard_once_in_the_order_of_its_steps() -> None:
         assert talk.inbox.in_flight[0] == left
 
 
-def test_a_look_that_two_send_at_once_is_under_way_twice() -> None:
+def test_a_scan_that_two_send_at_once_is_under_way_twice() -> None:
     """0 and 1 both tell 2 of the scan of 0: the second copy has not arrived either."""
     talk = Talk((0, 1), latency=1)
     talk.step(0)
@@ -176,7 +176,7 @@ def test_noise_garbles_its_share_of_packets(snr_db: float, share: float) -> None
     assert lost / sent == pytest.approx(share, abs=0.05)
 
 
-def test_a_radio_reaches_as_far_as_looks_get_through() -> None:
+def test_a_radio_reaches_as_far_as_scans_get_through() -> None:
     """Not as far as its power equals the noise: 1.2 km by default, where hardly any does."""
     masts = np.ones(2)
     far = reach_m(Link(model="log-distance"), masts)

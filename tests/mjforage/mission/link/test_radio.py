@@ -43,7 +43,7 @@ def test_a_disk_ends_at_its_range_and_at_walls() -> None:
         assert contacts == near, received
 
 
-def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() -> None:
+def test_a_filtered_map_is_of_all_scans_that_its_owner_has_received_each_once() -> None:
     """Of the prior and, step by step, of the best chance and largest count; delayed ones too."""
     sensors = ("sensors.detection=0.6", "sensors.half_range_node=6", "sensors.false_rate=0.01")
     link = (DISK, "link.range_m=60", "link.loss=0.3", "link.latency=2")
@@ -74,7 +74,7 @@ def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() ->
     assert delayed > 100
 
 
-def test_every_agent_acts_by_its_own_row_and_late_padding_says_nothing() -> None:
+def test_every_agent_acts_by_its_own_row_and_delayed_padding_says_nothing() -> None:
     """Each wants to go another way in the row of each owner; only its own counts."""
     mission, radio = started(setup_of(DISK, "link.range_m=9", "link.latency=1"), 6)
 

@@ -75,7 +75,7 @@ SEES_ONE = [[1, 0]] * STEPS
         ({4: 4, 1: 4}, 1, 4),
     ],
 )
-def test_first_hearing_of_an_item(received: dict[int, int], found: int, expected: int) -> None:
+def test_first_reception_of_an_item(received: dict[int, int], found: int, expected: int) -> None:
     link = link_of(SCOUT_STAYS, SEES_ONE, received)
     item_node = np.zeros((1, STEPS, 1), np.int32)
     about = item_node, np.array([[found]], np.int16), np.array([STEPS - 1], np.int32)

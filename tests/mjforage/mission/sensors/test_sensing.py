@@ -42,7 +42,7 @@ def test_perfect_is_what_shows_all() -> None:
     assert not any(one.perfect for one in one_each)
 
 
-def test_three_looks_at_an_item() -> None:
+def test_three_scans_at_an_item() -> None:
     """1 - .3^3 = .973; with persistence .3 1 - prod (b + j)/(a + b + j) = .9047, a + b = 7/3."""
     for persistence, expected in ((0.0, 0.973), (0.3, 0.9047)):
         sensors = Sensors(detection=0.7, persistence=persistence)
