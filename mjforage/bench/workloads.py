@@ -1,13 +1,6 @@
-"""Workloads of `mjforage bench`, and the amount of work of one call of each.
+"""Workloads of `mjforage bench`, and the amount of work of one call of each."""
 
-`mjforage bench --against CHECKOUT` runs this file as a script, with that checkout first on
-`PYTHONPATH`. A line "KEY SECONDS" on standard input asks for a slice; the answer is the work done
-and the CPU seconds that it took.
-"""
-
-import sys
 import tempfile
-import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -188,28 +181,3 @@ WORKLOADS = {
 }
 """Key -> what is measured. Keys with `link` have radios with a range of 64 m, those with `misses`
 sensors that miss a tenth of the items."""
-
-
-def slice_of(work: Work, seconds: float) -> tuple[float, float]:
-    """Work done in at least so many CPU seconds, and the CPU seconds that it took."""
-    done, started = 0.0, time.process_time()
-    while (spent := time.process_time() - started) < seconds:
-        done += work()
-    return done, spent
-
-
-def serve() -> None:
-    """Answer requests until standard input ends; the first call of a workload compiles before."""
-    made: dict[str, Work] = {}
-    for line in sys.stdin:
-        key, seconds = line.split()
-        if key not in made:
-            made[key] = WORKLOADS[key].make()
-            made[key]()
-        done, spent = slice_of(made[key], float(seconds))
-        sys.stdout.write(f"{done} {spent}\n")
-        sys.stdout.flush()
-
-
-if __name__ == "__main__":
-    serve()

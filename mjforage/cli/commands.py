@@ -1,8 +1,8 @@
 """The app with all of its commands: each module adds its own to it."""
 
 from mjforage.cli import (
+    completing,  # noqa: F401
     drawing,  # noqa: F401
-    helping,  # noqa: F401
     hulls,  # noqa: F401
     lists,  # noqa: F401
     run_folders,  # noqa: F401

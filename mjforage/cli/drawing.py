@@ -78,14 +78,12 @@ def render(
 
     logging.getLogger("mjforage.view.render").setLevel(logging.INFO)  # says what draws
     trust_policies(policy, beside)
-    if beside is not None:
-        check_beside(folder, policy, beside)
     with working("render, playing the episode again"):
-        replay = recording_of_run(folder, world, policy, episode)
+        recording = recording_of_run(folder, world, policy, episode)
         other = None if beside is None else recording_of_run(folder, world, beside, episode)
-    with bar("render", "frames") as shown:
+    with bar("render", "frames") as progress:
         render_recording(
-            replay,
+            recording,
             output_file,
             beside=other,
             camera=camera,
@@ -96,32 +94,10 @@ def render(
             duration_s=duration,
             fps=fps,
             speed=speed,
-            progress=shown,
+            progress=progress,
         )
     kind = "picture" if output_file.suffix.lower() == ".png" else "film"
     output.print(f"{kind}: {output_file}", soft_wrap=True)
-
-
-def check_beside(folder: Path, policy: str | None, beside: str) -> None:
-    """Check before anything is simulated that a run holds two policies to show side by side.
-
-    Raises
-    ------
-    UserError
-        If the second policy is not of the run, or is the first.
-    """
-    from mjforage.base.errors import UserError
-    from mjforage.graph_planner.policies.registry import policy_label
-    from mjforage.runs.run_info import load_run
-
-    policies = load_run(folder / "run.json").policies
-    first, second = (
-        name if name in policies else policy_label(name) for name in (policy or policies[0], beside)
-    )
-    if second not in policies:
-        raise UserError(f"beside {beside}: not in {folder}; it holds {', '.join(policies)}")
-    if second == first:
-        raise UserError(f"beside {beside}: is the film's own policy; name another of the run")
 
 
 @app.command

@@ -18,6 +18,7 @@ SCENARIO = Parameter(help="Name of a preset (see `mjforage scenarios`) or path o
 POLICY = Parameter(
     name="--policy",
     negative="",
+    consume_multiple=True,
     help="A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights "
     'NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.',
 )
@@ -62,13 +63,10 @@ class Computing:
         Worker processes.
     scheduler
         Address of a dask scheduler, for example tcp://host:8786, whose workers compute instead.
-    local_cluster
-        Start a dask cluster of this many worker processes here, and let it compute.
     """
 
     jobs: int = 1
     scheduler: str | None = None
-    local_cluster: int = 0
 
     @property
     def workers(self) -> "Workers":
@@ -77,7 +75,7 @@ class Computing:
 
         if self.scheduler == "":  # of an unset variable of a shell, perhaps: not to compute here
             raise UserError("--scheduler: the address is empty; give one such as tcp://host:8786")
-        return Workers(self.jobs, self.scheduler or "", self.local_cluster)
+        return Workers(self.jobs, self.scheduler or "")
 
 
 @dataclass(frozen=True)

@@ -144,14 +144,14 @@ def _play(
     from mjforage.runs.selection import parse_selection
     from mjforage.view.report import terminal_table, write_report
 
-    kept = parse_selection(choice.replay)
+    recorded = parse_selection(choice.replay)
     shares = ", ".join(f"{n} reach {share:.0%}" for n, share in setup.reachable_shares.items())
     rows, columns = setup.graph.shape
     output.print(
         f"{setup.scenario.name} on map {setup.grid.name} ({rows} x {columns}, "
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
-    with bar(words, "episodes") as shown:
+    with bar(words, "episodes") as progress:
         summary = run(
             setup,
             policies,
@@ -160,9 +160,9 @@ def _play(
             episodes=episodes,
             seed=choice.seed,
             metrics=choice.metric,
-            kept=kept,
+            kept=recorded,
             workers=by.workers,
-            progress=shown,
+            progress=progress,
             resume=again.resume,
         )
     bounds = {policy for found in summary.values() for policy in found if is_upper_bound(policy)}

@@ -1,8 +1,10 @@
 """Running a command, and its errors: one line, and an exit code."""
 
 import logging
+import os
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import cyclopts
@@ -13,8 +15,6 @@ from mjforage.base.interrupted import CODE as INTERRUPTED
 from mjforage.base.interrupted import WORDS
 from mjforage.cli.commands import app
 from mjforage.cli.console import errors
-from mjforage.cli.streams import forgiving_streams
-from mjforage.cli.words import missing, several, unknown
 
 BAD_INPUT = 2  # exit code of every error that a user can mend
 
@@ -27,24 +27,37 @@ def run(arguments: Sequence[str] | None, interrupted: Callable[[], bool]) -> Non
     arguments : by default those of the process
     interrupted : True if Ctrl-C has come, whatever was made of it
     """
-    with forgiving_streams():
-        logging.basicConfig(
-            level=logging.WARNING,
-            format="%(message)s",
-            handlers=[RichHandler(console=errors, show_time=False, show_path=False)],
-        )
-        logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns of its cache
-        try:
-            _carry_out(sys.argv[1:] if arguments is None else arguments)
-        except KeyboardInterrupt:
+    _prepare_streams()
+    logging.basicConfig(
+        level=logging.WARNING,
+        format="%(message)s",
+        handlers=[RichHandler(console=errors, show_time=False, show_path=False)],
+    )
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns of its cache
+    try:
+        _carry_out(sys.argv[1:] if arguments is None else arguments)
+    except KeyboardInterrupt:
+        _end(WORDS, INTERRUPTED)
+    except BaseException as error:
+        if interrupted():
             _end(WORDS, INTERRUPTED)
-        except BaseException as error:
-            if interrupted():
-                _end(WORDS, INTERRUPTED)
-            words = _words(error, sys.argv[1:] if arguments is None else arguments)
-            if not words:
-                raise
-            _end(words, BAD_INPUT)
+        if isinstance(error, BrokenPipeError) or isinstance(error.__context__, BrokenPipeError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it
+            sys.exit(1)
+        words = _words(error, sys.argv[1:] if arguments is None else arguments)
+        if not words:
+            raise
+        _end(words, BAD_INPUT)
+
+
+def _prepare_streams() -> None:
+    """Write nowhere where a stream is closed, and `?` for letters that its encoding lacks."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+        elif hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
 
 
 def _carry_out(arguments: Sequence[str]) -> None:
@@ -52,16 +65,12 @@ def _carry_out(arguments: Sequence[str]) -> None:
         if any("\ud800" <= letter <= "\udfff" for letter in word):
             raise UserError(f"{word}: is not UTF-8; give names in UTF-8, of files as well")
     how: Any = {"exit_on_error": False, "print_error": False, "result_action": "return_value"}
-    app(several(arguments), **how)
+    app(arguments, **how)
     sys.stdout.flush()
 
 
 def _words(error: BaseException, arguments: Sequence[str]) -> str:
     """Message of an error; "" of one that only a developer can mend."""
-    if isinstance(error, cyclopts.MissingArgumentError):
-        return missing(error, arguments)
-    if isinstance(error, cyclopts.UnknownOptionError):
-        return unknown(error)
     if isinstance(error, UserError | cyclopts.CycloptsError):
         return str(error)
     if words := _of_an_extra(error, arguments) or _of_a_part(error):

@@ -92,5 +92,5 @@ def commands_page() -> str:
     _, separator, commands = text.partition("\n**Commands**:\n")
     if not separator:
         raise ValueError("cyclopts' page has another form: no list of commands")
-    told = _in_order(_STARTED_AS.sub("\\1", commands.rstrip()) + "\n\n").rstrip()
-    return f"{_NOTE.format('docstring of the command')}\n# Command line\n{told}\n"
+    sections = _in_order(_STARTED_AS.sub("\\1", commands.rstrip()) + "\n\n").rstrip()
+    return f"{_NOTE.format('docstring of the command')}\n# Command line\n{sections}\n"

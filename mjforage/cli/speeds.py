@@ -19,8 +19,6 @@ def _rounded(value: float) -> str:
 def bench(
     *,
     out: Annotated[Path | None, Parameter(name=OUT.name, alias=("--output", "--json"))] = None,
-    against: Path | None = None,
-    slices: int = 9,
     decisions: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Measure speeds on this machine, in CPU seconds of one core.
@@ -29,12 +27,7 @@ def bench(
     ----------
     out
         Also write the figures to this file: {key: {"value", "quickest", "unit"}}, the median of
-        slices and the fastest; or a list of comparisons, or of decision times.
-    against
-        Folder of another checkout: measure it beside this one, in slices of CPU time in turn, which
-        is the way to compare two states of the code on a machine with other work to do.
-    slices
-        Slices of each side and workload, with --against.
+        slices and the fastest; or a list of decision times.
     decisions
         Only the time of one decision of every policy, for a fleet of 4, 16 and 64 agents.
     """
@@ -44,31 +37,21 @@ def bench(
 
     if out is not None and not out.parent.is_dir():
         raise UserError(f"--out {out}: cannot be written, no folder {out.parent}")
-    if decisions and against is not None:
-        raise UserError(f"--decisions, --against {against}: give one of them")
     found: object
     with errors.status("measuring") as status:
 
-        def shown(name: str) -> None:
+        def progress(name: str) -> None:
             status.update(f"measuring {name}")
 
         if decisions:
-            times = deciding.decision_times(progress=shown)
+            times = deciding.decision_times(progress=progress)
             table = Table("policy", "agents", "ms", "range", "")
             for one in times:
                 span = "" if one.reason else f"{one.low:.3g} to {one.high:.3g}"
                 table.add_row(one.policy, str(one.agents), f"{one.ms:.3g}", span, one.reason)
             found = [asdict(one) for one in times]
-        elif against is not None:
-            pairs = running.against(against, slices, progress=shown)
-            table = Table("per CPU second", "this code", str(against), "ratio", "middle half")
-            for pair in pairs:
-                rates = _rounded(pair.ours), _rounded(pair.theirs)
-                half = f"{pair.low:.2f} to {pair.high:.2f}"
-                table.add_row(pair.key, *rates, f"{pair.ratio:.2f}", half)
-            found = [asdict(pair) for pair in pairs]
         else:
-            figures = running.bench(shown)
+            figures = running.bench(progress)
             table = Table("figure", "value", "quickest", "unit")
             for key, speed in figures.items():
                 table.add_row(key, _rounded(speed.value), _rounded(speed.quickest), speed.unit)

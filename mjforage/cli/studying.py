@@ -1,7 +1,7 @@
 """`mjforage study ...`: variants of a scenario, or benchmark tasks, on the same episodes."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,7 +30,6 @@ from mjforage.cli.progress import bar, working
 
 if TYPE_CHECKING:
     from mjforage.runs.studies.study import Study, Variant
-    from mjforage.scenario.scenario import Scenario as Base
 
 study = cyclopts.App(
     name="study", help="Studies: many variants of a scenario on the same episodes, in one report."
@@ -79,24 +78,18 @@ class Draws:
     whole_team
         One draw corrupts the whole team, and random foragers still take a known item beside them:
         the rule of the published code, which made the paper's slopes. With --per-agent every agent
-        has its own draw, as the paper defines it.
+        has its own draw, as the paper defines it. Default per agent; for the paper whole team.
     """
 
     step: float = 0.05
-    whole_team: Annotated[bool, Parameter(negative=("--per-agent", "--no-whole-team"))] = False
+    whole_team: Annotated[bool | None, Parameter(negative=("--per-agent", "--no-whole-team"))] = (
+        None
+    )
 
 
-@dataclass(frozen=True)
-class PaperDraws(Draws):  # noqa: D101  as `Draws`, with another default
-    __doc__ = Draws.__doc__
-
-    whole_team: Annotated[bool, Parameter(negative=("--per-agent", "--no-whole-team"))] = True
-
-
-DEFAULT, USUAL, AS_PRINTED = StudyOptions(), Draws(), PaperDraws()
+DEFAULT, USUAL = StudyOptions(), Draws()
 With = Annotated[StudyOptions, Parameter(name="*")]
 Corrupted = Annotated[Draws, Parameter(name="*")]
-Printed = Annotated[PaperDraws, Parameter(name="*")]
 
 
 @study.command
@@ -110,102 +103,70 @@ def parts(
     known: Trusted = NOBODY,
 ) -> None:
     """Value of each part of the belief planner, and cost of wrong assumptions."""
-    from mjforage.runs.studies import variants
-
-    _play("parts", scenario, (), lambda base, _: variants.parts(base), choice, by, again)
+    _play("parts", scenario, (), choice, by, again)
 
 
-@study.command
-def ablation(
-    scenario: Scenario = "published",
-    /,
-    *,
-    policy: Policies = PAPER,
-    choice: With = DEFAULT,
-    by: By = THIS_PROCESS,
-    again: GoingOn = SAME_ONLY,
-    known: Trusted = NOBODY,
-) -> None:
-    """Value of an agent of each team: marginal contributions (the paper's Tables 5 and 6)."""
-    from mjforage.runs.studies import variants
+def _add(kind: str, usual: str, players: tuple[str, ...], words: str) -> None:
+    """Add a study of policies in variants of a scenario."""
 
-    _play("ablation", scenario, policy, variants.ablation, choice, by, again)
-
-
-@study.command
-def corruption(
-    scenario: Scenario = "published",
-    /,
-    *,
-    policy: Policies = PAPER,
-    draws: Corrupted = USUAL,
-    choice: With = DEFAULT,
-    by: By = THIS_PROCESS,
-    again: GoingOn = SAME_ONLY,
-    known: Trusted = NOBODY,
-) -> None:
-    """Performance as a team's actions become random: sensitivity slopes (CSSC)."""
-    from mjforage.runs.studies import variants
-
-    def varied(base: "Base", players: Sequence[str]) -> "tuple[Variant, ...]":
-        return variants.corruption(base, players, draws.step, draws.whole_team)
-
-    _play("corruption", scenario, policy, varied, choice, by, again, **asdict(draws))
+    @study.command(name=kind, help=words)
+    def command(
+        scenario: Scenario = usual,
+        /,
+        *,
+        policy: Policies = players,
+        choice: With = DEFAULT,
+        by: By = THIS_PROCESS,
+        again: GoingOn = SAME_ONLY,
+        known: Trusted = NOBODY,
+    ) -> None:
+        _play(kind, scenario, policy, choice, by, again)
 
 
-@study.command
-def paper(
-    scenario: Scenario = "published",
-    /,
-    *,
-    policy: Policies = PAPER,
-    draws: Printed = AS_PRINTED,
-    choice: With = DEFAULT,
-    by: By = THIS_PROCESS,
-    again: GoingOn = SAME_ONLY,
-    known: Trusted = NOBODY,
-) -> None:
-    """All tables and figures of the paper, with its numbers beside ours."""
-    from mjforage.runs.studies import variants
+def _add_corrupting(kind: str, whole_team: bool, words: str) -> None:
+    """Add a study of policies in which teams are corrupted."""
 
-    def varied(base: "Base", players: Sequence[str]) -> "tuple[Variant, ...]":
-        return variants.paper(base, players, draws.step, draws.whole_team)
-
-    _play("paper", scenario, policy, varied, choice, by, again, **asdict(draws))
-
-
-@study.command
-def communication(
-    scenario: Scenario = "comb-port",
-    /,
-    *,
-    policy: Policies = INFORMED,
-    choice: With = DEFAULT,
-    by: By = THIS_PROCESS,
-    again: GoingOn = SAME_ONLY,
-    known: Trusted = NOBODY,
-) -> None:
-    """Cost of limited range, quays, latency, losses and budgets of a link, and value of a relay."""
-    from mjforage.runs.studies.communication import communication as varied
-
-    _play("communication", scenario, policy, varied, choice, by, again)
+    @study.command(name=kind, help=words)
+    def command(
+        scenario: Scenario = "published",
+        /,
+        *,
+        policy: Policies = PAPER,
+        draws: Corrupted = USUAL,
+        choice: With = DEFAULT,
+        by: By = THIS_PROCESS,
+        again: GoingOn = SAME_ONLY,
+        known: Trusted = NOBODY,
+    ) -> None:
+        together = whole_team if draws.whole_team is None else draws.whole_team
+        options = {"step": draws.step, "whole_team": together}
+        _play(kind, scenario, policy, choice, by, again, **options)
 
 
-@study.command
-def sensing(
-    scenario: Scenario = "comb-port",
-    /,
-    *,
-    policy: Policies = INFORMED,
-    choice: With = DEFAULT,
-    by: By = THIS_PROCESS,
-    again: GoingOn = SAME_ONLY,
-    known: Trusted = NOBODY,
-) -> None:
-    """Cost of misses and false alarms, and of wrong assumptions about them."""
-    from mjforage.runs.studies.sensing import sensing as varied
-
-    _play("sensing", scenario, policy, varied, choice, by, again)
+_add(
+    "ablation",
+    "published",
+    PAPER,
+    "Value of an agent of each team: marginal contributions (the paper's Tables 5 and 6).",
+)
+_add(
+    "communication",
+    "comb-port",
+    INFORMED,
+    "Cost of limited range, quays, latency, losses and budgets of a link, and value of a relay.",
+)
+_add(
+    "sensing",
+    "comb-port",
+    INFORMED,
+    "Cost of misses and false alarms, and of wrong assumptions about them.",
+)
+_add_corrupting(
+    "corruption",
+    False,
+    "Performance as a team's actions become random: sensitivity slopes (CSSC).",
+)
+_add_corrupting("paper", True, "All tables and figures of the paper, with its numbers beside ours.")
 
 
 @study.command
@@ -262,25 +223,33 @@ def _play(
     kind: str,
     scenario: str,
     policies: Sequence[str],
-    varied: "Callable[[Base, Sequence[str]], tuple[Variant, ...]]",
     choice: StudyOptions,
     by: Computing,
     again: Resuming,
-    **options: object,
+    **options: float,
 ) -> None:
     """Compute a study and draw its report."""
     from mjforage.base.references import with_options
     from mjforage.mission.setup import Setup
     from mjforage.runs.identity import pinned
+    from mjforage.runs.studies import communication, sensing, variants
     from mjforage.runs.studies.study import Study
     from mjforage.scenario.scenario_file import load_scenario
 
     by.workers  # noqa: B018  what is wrong with them is said first
     players, overrides = with_options("policy", policies, choice.set)
     setup = pinned(Setup.of(load_scenario(scenario, overrides, choice.map, choice.water)))
-    variants = varied(setup.scenario, players)
+    makers: dict[str, Callable[..., tuple[Variant, ...]]] = {
+        "parts": lambda base, _: variants.parts(base),
+        "ablation": variants.ablation,
+        "corruption": variants.corruption,
+        "paper": variants.paper,
+        "communication": communication.communication,
+        "sensing": sensing.sensing,
+    }
+    varied = makers[kind](setup.scenario, players, **options)
     worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
-    plan = Study(kind, setup, variants, worlds, episodes, seed, options, tuple(choice.metric))
+    plan = Study(kind, setup, varied, worlds, episodes, seed, options, tuple(choice.metric))
     folder = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
     _run(plan, folder, f"{kind} study of {setup.scenario.name} on map {setup.grid.name}", by, again)
 
@@ -294,8 +263,10 @@ def _run(plan: "Study", folder: Path, words: str, by: Computing, again: Resuming
         output.print(f"{words}: {len(plan.variants)} variants, {plan.episodes} episodes each")
 
     workers = by.workers
-    with bar(f"study {plan.kind}", "episodes") as shown:
-        run_study(plan, folder, workers=workers, progress=shown, begin=begin, resume=again.resume)
+    with bar(f"study {plan.kind}", "episodes") as progress:
+        run_study(
+            plan, folder, workers=workers, progress=progress, begin=begin, resume=again.resume
+        )
     with working("drawing the report"):
         path = write_study_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

@@ -94,10 +94,10 @@ def train(
     from mjforage.learning.training.run import train_with
 
     teachers, set = with_options("policy", [teacher] if teacher else [], set)
-    chosen = load_scenario(scenario, set, map, water)
+    first = load_scenario(scenario, set, map, water)
     changes = dict(_pair(text) for text in learning)
-    told = {"teacher": "".join(teachers), "initial": initial, "world": world}
-    changes |= {name: value for name, value in told.items() if value}
+    named = {"teacher": "".join(teachers), "initial": initial, "world": world}
+    changes |= {name: value for name, value in named.items() if value}
     made = find_algorithm(algorithm)
     if teacher and not hasattr(made.settings, "teacher"):
         raise UserError(
@@ -105,20 +105,20 @@ def train(
             "fields teacher and teacher_updates"
         )
     hyperparameters = changed(made.settings(), changes)
-    folder = out or Path("runs") / f"{algorithm.rpartition(':')[2]}-{chosen.name}"
+    folder = out or Path("runs") / f"{algorithm.rpartition(':')[2]}-{first.name}"
     unit = "updates" if updates is not None else "minutes"
-    with bar("train", unit) as shown:
+    with bar("train", unit) as progress:
 
         def tell(table: str, row: "Row") -> None:
             _report(table, row)
             if updates is not None:
-                shown(row["updates"], updates)
+                progress(row["updates"], updates)
             elif hours is not None:
-                shown(row["seconds"] / 60, 60 * hours)
+                progress(row["seconds"] / 60, 60 * hours)
 
         train_with(
             made,
-            chosen,
+            first,
             hyperparameters,
             folder,
             also=[_other(text) for text in also],

@@ -6,7 +6,7 @@ import re
 import socket
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -35,13 +35,12 @@ def check_address(scheduler: str) -> None:
 
 
 @contextmanager
-def connected(scheduler: str, local_cluster: int) -> Iterator[Any]:
-    """Give a dask client of a scheduler, or of a cluster of worker processes started here.
+def connected(scheduler: str) -> Iterator[Any]:
+    """Give a dask client of a scheduler.
 
     Parameters
     ----------
-    scheduler : address, such as tcp://host:8786; empty for a cluster of this machine's
-    local_cluster : worker processes of that cluster
+    scheduler : address, such as tcp://host:8786
 
     Raises
     ------
@@ -49,13 +48,16 @@ def connected(scheduler: str, local_cluster: int) -> Iterator[Any]:
         If dask is missing, or the scheduler or its workers cannot be reached or are lost.
     """
     check_dask()
-    with ExitStack() as open_things:
-        with interrupts_held():
-            client = _client(scheduler, local_cluster, open_things)
+    with interrupts_held():
+        client = _client(scheduler)
+    try:
         yield client
+    finally:
+        with suppress(OSError, RuntimeError):
+            client.close(timeout=2)
 
 
-def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
+def _client(scheduler: str) -> Any:
     import distributed as untyped
 
     distributed: Any = untyped  # its constructors have no types
@@ -63,20 +65,9 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
     for name in [name for name in logging.root.manager.loggerDict if name[:11] == "distributed"]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # lost workers are no news here
     logging.getLogger("tornado.application").setLevel(logging.CRITICAL)  # nor lost connections
-    address: Any = scheduler
-    if not scheduler:
-        cluster = distributed.LocalCluster(
-            n_workers=local_cluster,
-            threads_per_worker=1,
-            dashboard_address="127.0.0.1:0",  # any free port: other clusters may be running here
-            silence_logs=logging.CRITICAL,
-        )
-        address = open_things.enter_context(cluster)
     try:
-        if scheduler:
-            asyncio.run(_answer(scheduler))
-        client = distributed.Client(address, timeout=PATIENCE_S, set_as_default=False)
-        open_things.callback(_close, client)
+        asyncio.run(_answer(scheduler))
+        client = distributed.Client(scheduler, timeout=PATIENCE_S, set_as_default=False)
     except (OSError, TypeError, ValueError, ImportError) as error:  # time-outs included
         reason = " ".join(str(error).split()) or type(error).__name__
         raise UserError(
@@ -86,6 +77,7 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
     try:
         client.wait_for_workers(1, timeout=PATIENCE_S)
     except OSError as error:  # a time-out
+        client.close(timeout=2)
         raise UserError(
             f"scheduler {scheduler}: answers, but has no worker within {PATIENCE_S:g} s; start "
             f"`dask worker {scheduler} --nthreads 1` on every machine"
@@ -106,11 +98,6 @@ async def _answer(scheduler: str) -> None:
     options = distributed.Security().get_connection_args("client")
     asked = distributed.comm.connect(scheduler, timeout=PATIENCE_S, **options)
     (await asyncio.wait_for(asked, PATIENCE_S)).abort()
-
-
-def _close(client: Any) -> None:
-    with suppress(OSError, RuntimeError):
-        client.close(timeout=2)
 
 
 def finished(

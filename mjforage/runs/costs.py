@@ -15,7 +15,7 @@ class Invocation:
     """The command that computes, the same for all its chunks."""
 
     started: str  # ISO 8601 with microseconds, UTC: tells calls apart
-    how: str  # processes, local dask cluster, ...
+    how: str  # processes, or dask at an address
     workers: int  # when it started
 
 
@@ -44,7 +44,7 @@ class Cost:
     started: str
     """Time of the command, ISO 8601 with microseconds."""
     how: str
-    """Kind of workers: processes, local dask cluster, ..."""
+    """Kind of workers: processes, or dask at an address"""
     workers: int
     """Workers when the command was given."""
     decide_s: Annotated[float, Note("unit", "s")] = 0.0

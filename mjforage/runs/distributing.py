@@ -46,7 +46,7 @@ def carried_out(
 def _remote(
     call: Callable[[Job, Work], str | None], work: Sequence[Task[Work]], workers: Workers
 ) -> Results:
-    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
+    with cluster.connected(workers.scheduler) as client:
         yield from cluster.finished(client, call, work)
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.runs.knowledge_record import AXES as HELD_AXES
+from mjforage.runs.knowledge_record import AXES as KNOWLEDGE_AXES
 from mjforage.runs.knowledge_record import KnowledgeRecord
-from mjforage.runs.run_info import again
+from mjforage.runs.run_info import AGAIN
 from mjforage.scenario.roles import agent_names
 from mjforage.scenario.sizes import check_memory
 
@@ -39,7 +39,7 @@ _AXES = {
     "track_present": "fi",
     "track_wind": "f2",
     "t_discovered": "i",
-    **HELD_AXES,
+    **KNOWLEDGE_AXES,
 }
 """Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
 
@@ -79,7 +79,7 @@ class Recording:
     policy: str = ""
     seed: int = 0
     episode: int = 0
-    held: KnowledgeRecord | None = None
+    knowledge: KnowledgeRecord | None = None
     """Knowledge of each agent; None where all agents know everything."""
 
     @property
@@ -90,9 +90,9 @@ class Recording:
     def content(self) -> bytes:
         """A compressed npz of plain arrays, as the content of a file."""
         buffer = io.BytesIO()
-        plain = {k: v for k, v in vars(self).items() if k != "held" and v is not None}
+        plain = {k: v for k, v in vars(self).items() if k != "knowledge" and v is not None}
         arrays = {k: np.asarray(value) for k, value in plain.items()}
-        arrays |= self.held.arrays() if self.held is not None else {}
+        arrays |= self.knowledge.arrays() if self.knowledge is not None else {}
         np.savez_compressed(buffer, allow_pickle=False, **arrays)
         return buffer.getvalue()
 
@@ -103,25 +103,24 @@ class Recording:
         Raises
         ------
         UserError
-            If the file is missing, truncated or not a replay.
+            If the file is missing, truncated or not a recording.
         """
-        remedy = again(path.parent.parent)
         try:
             with zipfile.ZipFile(path) as packed:  # a few bytes can claim any number of them
                 unpacked = sum(part.file_size for part in packed.infolist())
-            check_memory(f"replay {path}", unpacked, remedy)
+            check_memory(f"replay {path}", unpacked, AGAIN)
             with np.load(path, allow_pickle=False) as file:
                 return cls(**_values(file))
         except _DAMAGED as error:
-            raise UserError(f"replay {path}: cannot be read ({error}); {remedy}") from error
+            raise UserError(f"replay {path}: cannot be read ({error}); {AGAIN}") from error
 
 
 def _values(file: Any) -> dict[str, Any]:
-    """The fields of a replay from an open npz file."""
-    names = [one.name for one in fields(Recording) if one.name != "held"]
+    """The fields of a recording from an open npz file."""
+    names = [one.name for one in fields(Recording) if one.name != "knowledge"]
     values = {name: file[name] for name in names}
-    _check_axes(values | {name: file[name] for name in HELD_AXES if name in file})
-    values["held"] = KnowledgeRecord.of(file, values["navigable"].size)
+    _check_axes(values | {name: file[name] for name in KNOWLEDGE_AXES if name in file})
+    values["knowledge"] = KnowledgeRecord.of(file, values["navigable"].size)
     for kind, words in (
         (float, ("pitch_m", "period_s", "frame_s")),
         (int, ("horizon", "seed", "episode")),

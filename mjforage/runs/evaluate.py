@@ -165,8 +165,8 @@ class Run:
         """
         if not self.folder.complete:
             take_apart(self.folder)
-        held = self.folder.held(self.worlds, self.policies)
-        self.chunks[:] = plan(self.policies, self.worlds, self.info["episodes"], held)
+        stored = self.folder.stored(self.worlds, self.policies)
+        self.chunks[:] = plan(self.policies, self.worlds, self.info["episodes"], stored)
 
     def merge(self, wall_s: float) -> None:
         """Merge the chunks into tables, and write their computing time to `run.json`.
@@ -214,7 +214,7 @@ class Run:
         """
         summary = summarise(self.folder.episodes(self.chunks))
         write_json(self.folder.path / "summary.json", summary)
-        self.folder.finish({*self.chunks, *self.folder.held(self.worlds, self.policies)})
+        self.folder.finish({*self.chunks, *self.folder.stored(self.worlds, self.policies)})
         return summary
 
 

@@ -2,7 +2,6 @@
 
 import os
 import re
-import shlex
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -11,7 +10,6 @@ from mjforage.base.errors import UserError
 from mjforage.scenario.schema import shown
 
 _NAME = re.compile(r"\w[\w.@+-]{0,99}")
-_LARGEST = 200_000_000  # bytes of a JSON file: more than the summary of any run takes
 
 
 def check_files(file: Path) -> None:
@@ -59,20 +57,3 @@ def check_names(where: str, names: Mapping[str, Iterable[object]]) -> None:
                     f"{where}: {key}: {shown(name)} can be no part of a file's name; the folder is "
                     "damaged or not of mjforage: make it again"
                 )
-
-
-def check_length(path: Path, remedy: str) -> None:
-    """Refuse a JSON file that is too large to be ours; raises `UserError`, ending in the remedy."""
-    with suppress(OSError):
-        if (size := path.stat().st_size) > _LARGEST:
-            raise UserError(f"{path}: {size / 1e6:.0f} MB are more than any run writes; {remedy}")
-
-
-def own_command(text: str) -> str:
-    """A command as `mjforage` wrote it; "" for any other, which no message should suggest."""
-    try:
-        words = shlex.split(text)
-    except ValueError:
-        return ""
-    plain = words[:1] == ["mjforage"] and shlex.join(words) == text and text.isprintable()
-    return text if plain else ""

@@ -150,8 +150,8 @@ def run_info(
     metrics : references, as for `chosen_metrics`
     """
     navigable = setup.grid.navigable
-    taken = chosen_metrics(metrics)
-    origin, code = provenance(), run_code(policies, worlds, taken)
+    metric_classes = chosen_metrics(metrics)
+    origin, code = provenance(), run_code(policies, worlds, metric_classes)
     info: dict[str, Any] = {
         "command": origin["command"],
         "scenario": scenario_to_tree(setup.scenario),
@@ -174,7 +174,7 @@ def run_info(
             policy: reference for policy in policies if (reference := outside_class(policy))
         },
         "weights": weight_hashes(policies),
-        "metrics": [asdict(description(one)) for one in taken],
+        "metrics": [asdict(description(one)) for one in metric_classes],
         "agents": [
             {"name": name, "team": setup.fleet.team_names[team], "collects": bool(collects)}
             for name, team, collects in zip(

@@ -83,7 +83,7 @@ class Job:
         rows, columns = setup.grid.navigable.shape
         policies = tuple(info["policies"])
         worlds = info["worlds"] if workers.remote else None
-        taken = chosen_metrics(metrics)
+        metric_classes = chosen_metrics(metrics)
         return cls(
             canonical_json(scenario_to_tree(setup.scenario)),
             setup.grid.name,
@@ -96,9 +96,9 @@ class Job:
             None if workers.remote else os.getpid(),
             policies,
             tuple(info["worlds"]),
-            import_specs_of(taken) if workers.elsewhere else tuple(metrics),
+            import_specs_of(metric_classes) if workers.elsewhere else tuple(metrics),
             policy_import_specs(policies) if workers.elsewhere else (),
-            _code(policies, worlds, taken),
+            _code(policies, worlds, metric_classes),
             trusted() if workers.elsewhere else (),
             _packed(policies) if workers.elsewhere else b"",
         )
@@ -246,7 +246,9 @@ def run_chunk(job: Job, chunk: Chunk) -> str | None:
 
     def do(setup: Setup) -> None:
         if job.parent is not None or not RunFolder(job.folder).has(chunk):
-            _play(job, chunk, setup, began)  # else a worker made it that was lost before it told
+            _play(
+                job, chunk, setup, began
+            )  # else a lost worker made it
 
     return _done(job, do)
 

@@ -15,7 +15,6 @@ from mjforage.mission.task import NEVER
 
 UNKNOWN = -1  # no step
 ALL = -1  # no agent: the fleet together
-_PREFIX = "held_"  # of its values in a file
 AXES = {
     "held_changes": "t",
     "held_agent": "k",
@@ -38,13 +37,13 @@ class KnowledgeRecord:
     changes: NDArray[np.int32]  # (T'+1,) how many entries of all maps change in each step
     agent: NDArray[np.int16]  # (change,) in whose map
     cell: NDArray[np.int32]  # (change,) row * columns + column
-    seen: NDArray[np.int16]  # (change,) step of the newest look that it has heard of the node
+    seen: NDArray[np.int16]  # (change,) step of the newest scan of the node that it has received
     items: NDArray[np.int16]  # (change,) that it believes to be there
-    heard: NDArray[np.int16]  # (T'+1, agent, of agent) step of the newest look that it has heard
+    received: NDArray[np.int16]  # (T'+1, agent, of agent) step of the newest scan received
     known_from: NDArray[np.int16]  # (agent, item) first step with the item in its map, or `UNKNOWN`
     linked: NDArray[np.bool_]  # (T'+1, agent, agent) whether two are in contact
-    lost: NDArray[np.int16]  # (T'+1, sender, receiver) looks lost on the way
-    shown: int = ALL  # agent by whose map the episode is drawn; not kept in a file
+    lost: NDArray[np.int16]  # (T'+1, sender, receiver) scans lost on the way
+    viewer: int = ALL  # agent by whose map the episode is drawn; no part of a file
 
     def maps(self, agent: int, cells: int) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
         """Map of an agent, and the steps of the scans it comes from: (T'+1, cell) both.
@@ -70,7 +69,7 @@ class KnowledgeRecord:
         cut: dict[str, Any] = {
             name: getattr(self, name)[:entries] for name in ("agent", "cell", "seen", "items")
         }
-        by_step = ("changes", "heard", "linked", "lost")
+        by_step = ("changes", "received", "linked", "lost")
         cut |= {name: getattr(self, name)[: steps + 1] for name in by_step}
         known = np.where(self.known_from > steps, np.int16(UNKNOWN), self.known_from)
         return replace(self, known_from=known, **cut)
@@ -83,8 +82,8 @@ class KnowledgeRecord:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Its values under the names that they have in a file."""
-        names = [one.name for one in fields(self) if one.name != "shown"]
-        return {_PREFIX + name: np.asarray(getattr(self, name)) for name in names}
+        names = [one.name for one in fields(self) if one.name != "viewer"]
+        return {_key(name): np.asarray(getattr(self, name)) for name in names}
 
     @classmethod
     def of(cls, file: Mapping[str, NDArray[Any]], cells: int) -> "KnowledgeRecord | None":
@@ -97,15 +96,20 @@ class KnowledgeRecord:
         """
         if "held_changes" not in file:
             return None
-        names = [one.name for one in fields(cls) if one.name != "shown"]
-        values: dict[str, Any] = {name: file[_PREFIX + name] for name in names}
+        names = [one.name for one in fields(cls) if one.name != "viewer"]
+        values: dict[str, Any] = {name: file[_key(name)] for name in names}
         values["forgetting"] = float(values["forgetting"])
-        held = cls(**values)
-        agents = held.heard.shape[1]
-        for name, array, end in (("agent", held.agent, agents), ("cell", held.cell, cells)):
-            if len(array) != held.changes.sum() or ((array < 0) | (array >= end)).any():
-                raise ValueError(f"{_PREFIX}{name} does not fit the map")
-        return held
+        record = cls(**values)
+        agents = record.received.shape[1]
+        for name, array, end in (("agent", record.agent, agents), ("cell", record.cell, cells)):
+            if len(array) != record.changes.sum() or ((array < 0) | (array >= end)).any():
+                raise ValueError(f"{_key(name)} does not fit the map")
+        return record
+
+
+def _key(name: str) -> str:
+    """Name of a field in a file."""
+    return "held_heard" if name == "received" else f"held_{name}"
 
 
 class _Changes(NamedTuple):
@@ -124,7 +128,7 @@ class KnowledgeRecorder(Observer):
         self._before: tuple[NDArray[np.int16], NDArray[np.int16]] | None = None
         self._changes: list[_Changes] = []
         self._item_node: list[NDArray[np.int32]] = []
-        self._heard: list[NDArray[np.int16]] = []
+        self._received: list[NDArray[np.int16]] = []
         self._linked: list[NDArray[np.bool_]] = []
         self._lost: list[NDArray[np.int16]] = []
 
@@ -138,12 +142,12 @@ class KnowledgeRecorder(Observer):
         self._changes.append(_Changes(agent, node, seen[agent, node], belief[agent, node]))
         self._before = belief, seen
         self._item_node.append(mission.state.item_node[0].copy())
-        self._heard.append(knowledge.agent_seen[owner_of].astype(np.int16))
+        self._received.append(knowledge.agent_seen[owner_of].astype(np.int16))
         assert exchange.link_log is not None
         self._linked.append(exchange.link_log.contact[0].copy())
         self._lost.append(exchange.link_log.lost_now[0].astype(np.int16))
 
-    def held(self, mission: Mission) -> KnowledgeRecord:
+    def record(self, mission: Mission) -> KnowledgeRecord:
         """The complete record."""
         graph, all_ = (
             mission.setup.graph,
@@ -157,7 +161,7 @@ class KnowledgeRecorder(Observer):
             cell=(graph.rows * graph.shape[1] + graph.cols)[all_.node].astype(np.int32),
             seen=all_.seen,
             items=all_.items,
-            heard=np.stack(self._heard),
+            received=np.stack(self._received),
             known_from=self._known_from(all_, np.repeat(np.arange(len(changes)), changes)),
             linked=np.stack(self._linked),
             lost=np.stack(self._lost),
@@ -165,7 +169,7 @@ class KnowledgeRecorder(Observer):
 
     def _known_from(self, changes: _Changes, step: NDArray[np.int64]) -> NDArray[np.int16]:
         """(agent, item) the first step in which each has a scan with the item in it."""
-        shape = len(self._heard[0]), len(self._item_node[0])
+        shape = len(self._received[0]), len(self._item_node[0])
         first = np.full(shape, UNKNOWN, np.int16)
         for one in np.flatnonzero(changes.items > 0)[::-1]:  # the first is written last
             there = self._item_node[changes.seen[one]] == changes.node[one]

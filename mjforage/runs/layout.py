@@ -22,18 +22,18 @@ def chunk_size(world: str) -> int:
 
 
 def plan(
-    policies: Sequence[str], worlds: Sequence[str], episodes: int, held: Iterable[Chunk] = ()
+    policies: Sequence[str], worlds: Sequence[str], episodes: int, stored: Iterable[Chunk] = ()
 ) -> list[Chunk]:
     """All chunks of a run, in the order of its tables.
 
-    New ones end where a multiple of their size is, or one that is held begins.
+    New ones end where a multiple of their size is, or one that is stored begins.
 
     Parameters
     ----------
-    held : chunks that are finished, of this run or of fewer episodes of it
+    stored : chunks that are finished, of this run or of fewer episodes of it
     """
     counts: dict[tuple[str, str], dict[int, int]] = {}
-    for chunk in sorted(held):  # of two that begin at the same episode the longer
+    for chunk in sorted(stored):  # of two that begin at the same episode the longer
         if chunk.first + chunk.count <= episodes:
             counts.setdefault((chunk.world, chunk.policy), {})[chunk.first] = chunk.count
     return [
@@ -44,13 +44,13 @@ def plan(
     ]
 
 
-def _spans(episodes: int, size: int, held: dict[int, int]) -> Iterator[tuple[int, int]]:
+def _spans(episodes: int, size: int, stored: dict[int, int]) -> Iterator[tuple[int, int]]:
     """First episode and number of every chunk of a world and policy."""
-    starts, first = sorted(held), 0
+    starts, first = sorted(stored), 0
     while first < episodes:
         later = starts[bisect_right(starts, first) :][:1]
-        count = held.get(first) or min(size - first % size, episodes - first)
-        if first not in held and later:
+        count = stored.get(first) or min(size - first % size, episodes - first)
+        if first not in stored and later:
             count = min(count, later[0] - first)
         yield first, count
         first += count

@@ -93,5 +93,5 @@ def record(
         seed=seed,
         episode=episode,
         t_discovered=mission.ledger.t_discovered[0],
-        held=by_agent.held(mission) if by_agent else None,
+        knowledge=by_agent.record(mission) if by_agent else None,
     )

@@ -19,7 +19,7 @@ from mjforage.graph_planner.policies.registry import (
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.recording import record
-from mjforage.runs.run_info import RunInfo, again, load_run
+from mjforage.runs.run_info import AGAIN, RunInfo, load_run
 from mjforage.runs.selection import recording_file
 from mjforage.runs.storage import RunFolder
 from mjforage.scenario.maps import GridMap, check_starts
@@ -66,7 +66,7 @@ def recording_of_run(
     if not as_logged(recording, RunFolder(folder)):
         raise UserError(
             f"{folder}: episode {episode} of {policy} does not come out as logged: it was made "
-            f"with other versions, code or vessels (see run.json); {again(folder)} with --fresh"
+            f"with other versions, code or vessels (see run.json); {AGAIN} with --fresh"
         )
     return recording
 

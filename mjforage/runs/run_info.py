@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.fields import Note, Within
 from mjforage.mission.scoring import Description
-from mjforage.runs.foreign import check_files, check_length, check_names, own_command
+from mjforage.runs.foreign import check_files, check_names
 from mjforage.scenario.schema import OPEN, check
 
-REMEDY = (
-    "run the command that made this folder again, or name a folder that evaluate, compare or study "
-    "wrote"
-)
+AGAIN = "run the command that made this folder again"
+REMEDY = f"{AGAIN}, or name a folder that evaluate, compare or study wrote"
 
 Names = Annotated[tuple[str, ...], MinLen(1)]
 MOST_AGENTS = 255  # of a scenario
@@ -153,13 +151,6 @@ class _ScenarioFacts:
     period_s: Annotated[float, Within(1e-3, 1e6, "s")]
 
 
-@dataclass(frozen=True)
-class _Command:
-    __pydantic_config__ = OPEN
-
-    command: str
-
-
 def read_json(path: Path) -> dict[str, Any]:
     """Read a JSON object.
 
@@ -168,7 +159,6 @@ def read_json(path: Path) -> dict[str, Any]:
     UserError
         If the file is missing, not readable, truncated or not an object.
     """
-    check_length(path, REMEDY)
     try:
         value = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
@@ -178,15 +168,6 @@ def read_json(path: Path) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise UserError(f"{path}: holds a {type(value).__name__}, expected an object; {REMEDY}")
     return value
-
-
-def again(folder: Path, file: str = "run.json") -> str:
-    """Words that ask for the command that made a folder, as its `run.json` or `study.json` says."""
-    try:
-        command = own_command(check(_Command, read_json(folder / file), file).command)
-    except UserError:
-        command = ""
-    return f"run `{command}` again" if command else "run the command that made this folder again"
 
 
 def load_run(path: Path) -> RunInfo:

@@ -24,7 +24,7 @@ from mjforage.runs.costs import Cost
 from mjforage.runs.lock import folder_lock
 from mjforage.runs.parquet import join_parquet, parquet_bytes
 from mjforage.runs.resuming import CODE, found_in, open_folder
-from mjforage.runs.run_info import again, read_json
+from mjforage.runs.run_info import AGAIN, read_json
 from mjforage.runs.tables import KEYS, TABLES, check_table, read_table
 
 IDENTITY = (
@@ -131,7 +131,7 @@ class RunFolder:
         """True if a chunk's folder is there, whatever it holds."""
         return (self._chunks / chunk.name).is_dir()
 
-    def held(self, worlds: Iterable[str], policies: Iterable[str]) -> list[Chunk]:
+    def stored(self, worlds: Iterable[str], policies: Iterable[str]) -> list[Chunk]:
         """All chunks of these worlds and policies that are there, whatever they hold."""
         names = list(policies)
         known = {f"{one}-{file_label(name)}": (one, name) for one in worlds for name in names}
@@ -182,8 +182,7 @@ class RunFolder:
                 found.append(Cost.of(read_json(file), str(file)))
             except UserError as error:
                 raise UserError(
-                    f"{file}: missing or not written by mjforage; delete {folder} and "
-                    f"{again(self.path)}"
+                    f"{file}: missing or not written by mjforage; delete {folder} and {AGAIN}"
                 ) from error
         return found
 
@@ -220,7 +219,7 @@ class RunFolder:
             If it is missing, truncated or foreign.
         """
         path = self.path / f"{name}.parquet"
-        return read_table(path, name, self._moved(path) if path.exists() else again(self.path))
+        return read_table(path, name, self._moved(path) if path.exists() else AGAIN)
 
     def episodes(self, chunks: list[Chunk]) -> pl.DataFrame:
         """The merged table of episodes.
@@ -237,7 +236,7 @@ class RunFolder:
 
     def _moved(self, what: Path) -> str:
         """Remedy for a spoilt file or folder of this run."""
-        return f"move {what} away and {again(self.path)}"
+        return f"move {what} away and {AGAIN}"
 
 
 def _check_keys(

@@ -20,29 +20,23 @@ class Workers:
     ----------
     jobs : processes of this machine; 1 stays in this process
     scheduler : address of a dask scheduler, whose workers compute instead
-    local_cluster : worker processes of a dask cluster started on this machine instead
     """
 
     jobs: int = 1
     scheduler: str = ""
-    local_cluster: int = 0
 
     def __post_init__(self) -> None:
-        for flag, count, least in (
-            ("jobs", self.jobs, 1),
-            ("local-cluster", self.local_cluster, 0),
-        ):
-            if count < least:
-                raise UserError(f"--{flag} {count}: give at least 1 worker")
-        if (self.jobs > 1) + bool(self.scheduler) + bool(self.local_cluster) > 1:
-            raise UserError("--jobs, --scheduler and --local-cluster: give one of them")
+        if self.jobs < 1:
+            raise UserError(f"--jobs {self.jobs}: give at least 1 worker")
+        if self.jobs > 1 and self.scheduler:
+            raise UserError("--jobs and --scheduler: give one of them")
         if self.scheduler:
             cluster.check_address(self.scheduler)
 
     @property
     def remote(self) -> bool:
         """True if a dask cluster computes."""
-        return bool(self.scheduler or self.local_cluster)
+        return bool(self.scheduler)
 
     @property
     def elsewhere(self) -> bool:
@@ -58,17 +52,15 @@ class Workers:
             If dask is missing, the scheduler cannot be reached or has no workers, or they lack the
             weights or cannot import a policy or metric.
         """
-        started, count = datetime.now(UTC).isoformat(), self.local_cluster or self.jobs
-        how = "local dask cluster" if self.local_cluster else "processes"
+        started, count, how = datetime.now(UTC).isoformat(), self.jobs, "processes"
         if self.elsewhere:
             policy_import_specs(policies)
             import_specs_of(chosen_metrics(metrics))
         if self.remote:
             cluster.check_dask()
-        if self.scheduler:
             _check_weights(policies)
             how = f"dask at {self.scheduler}"
-            with cluster.connected(self.scheduler, 0) as client:
+            with cluster.connected(self.scheduler) as client:
                 count = cluster.cores(client)
         return Invocation(started, how, count)
 

@@ -45,8 +45,8 @@ class Variant:
     @property
     def info(self) -> dict[str, Any]:
         """Entry of the variant in `study.json`."""
-        told = {"title": self.title, "policies": [policy_label(one) for one in self.policies]}
-        return told | ({"worlds": list(self.worlds)} if self.worlds else {})
+        entry = {"title": self.title, "policies": [policy_label(one) for one in self.policies]}
+        return entry | ({"worlds": list(self.worlds)} if self.worlds else {})
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,9 @@ def paint_links(
     points : (agent, 2) where vessels are [pixel]
     unit : width of a fine line [pixel]
     """
-    if recording.held is None:
+    if recording.knowledge is None:
         return
-    linked, lost = recording.held.linked[step], recording.held.lost[step]
+    linked, lost = recording.knowledge.linked[step], recording.knowledge.lost[step]
     for i, j in np.argwhere(np.triu(linked)):
         if lost[i, j] + lost[j, i]:
             paint_lost(image, points[[i, j]], unit)
@@ -54,9 +54,9 @@ def paint_lost(image: Image, ends: Floats, unit: float) -> None:
 
 def write_lost(image: Image, recording: Recording, step: int, points: Floats, unit: float) -> None:
     """Write the number of scans lost, beside the middle of each link."""
-    if recording.held is None:
+    if recording.knowledge is None:
         return
-    lost = recording.held.lost[step]
+    lost = recording.knowledge.lost[step]
     for i, j in np.argwhere(np.triu(lost + lost.T, 1)):
         (x, y), (along_x, along_y) = points[[i, j]].mean(axis=0), points[j] - points[i]
         away = _COUNT_AWAY * unit / max(float(np.hypot(along_x, along_y)), 1e-9)

@@ -121,7 +121,7 @@ def sign_words(recording: Recording, most: int, drawn: bool) -> list[str]:
     """Meaning of each sign; `drawn` and `most`: see `paint_signs`."""
     idleness = "idleness 0–1" if drawn else "idleness 0–1 (chart)"
     words = ["item, discovered", "item, not yet", f"believed: 1, 2, {most}", idleness]
-    if recording.held is not None:
+    if recording.knowledge is not None:
         words += ["in contact", "scans lost in this step"]
     if drawn:  # vessels in 3-D have their names beside them
         words += [style.role(one) for one in np.unique(recording.agent_collects).tolist()]

@@ -25,12 +25,12 @@ def seen_by(recording: Recording, name: str) -> Recording:
         raise UserError(f"seen by {name}: no such vessel; choose {choices}")
     if name == EVERYBODY:
         return recording
-    if recording.held is None:
+    if recording.knowledge is None:
         raise UserError(
             f"seen by {name}: without a link all know the same; choose {EVERYBODY}, or a run with "
             "one (--set link.model=disk)"
         )
-    agent, held = names.index(name), recording.held
+    agent, held = names.index(name), recording.knowledge
     belief, seen = held.maps(agent, recording.navigable.size)
     idleness = np.where(recording.navigable.ravel(), held.idleness(seen), np.float16(0))
     shape, now = recording.belief.shape, np.arange(len(seen), dtype=np.int16)[:, None]
@@ -39,23 +39,24 @@ def seen_by(recording: Recording, name: str) -> Recording:
         belief=belief.reshape(shape),
         idleness=idleness.reshape(shape),
         in_view=np.where((seen == now).reshape(shape), recording.in_view, np.uint8(0)),
-        held=replace(held, shown=agent),
+        knowledge=replace(held, viewer=agent),
     )
 
 
 def shown_name(recording: Recording) -> str:
     """Name of the vessel by whose knowledge a recording is drawn, `all` for the common one."""
-    if recording.held is None or recording.held.shown < 0:
+    if recording.knowledge is None or recording.knowledge.viewer < 0:
         return EVERYBODY
-    return recording.labels[recording.held.shown]
+    return recording.labels[recording.knowledge.viewer]
 
 
 def last_heard(recording: Recording, step: int) -> NDArray[np.int64]:
     """(agent,) step of the newest look of each that is known by `step` to whom is drawn."""
-    if recording.held is None or recording.held.shown < 0:
+    record = recording.knowledge
+    if record is None or record.viewer < 0:
         return np.full(len(recording.agent_team), step, np.int64)
-    heard: NDArray[np.int64] = recording.held.heard[step, recording.held.shown].astype(np.int64)
-    return heard
+    newest: NDArray[np.int64] = record.received[step, record.viewer].astype(np.int64)
+    return newest
 
 
 def age_of(recording: Recording, time: float, heard: int) -> str:

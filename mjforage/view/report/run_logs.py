@@ -15,7 +15,7 @@ from mjforage.base.errors import UserError
 from mjforage.mission.scoring import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.parquet import collected, count_rows, read_schema, scan_parquet
-from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
+from mjforage.runs.run_info import AGAIN, REMEDY, RunInfo, load_run, read_json
 from mjforage.runs.selection import recording_files
 from mjforage.view.page import style
 from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_means
@@ -206,7 +206,7 @@ def _check_rows(path: Path, run: RunInfo, rows: int) -> None:
         if (found := counts.get((world, policy), 0)) != rows:
             raise UserError(
                 f"{path}: {world}/{policy} has {found} rows, expected {rows}; "
-                f"{again(path.parent)}, it completes the folder"
+                f"{AGAIN}, it completes the folder"
             )
 
 

@@ -45,7 +45,7 @@ def entry_of(replay: Recording, limit: int | None = None) -> dict[str, Any]:
         "pose_stride": _pose_stride(stride),
         "item_stride": stride,
         "items": replay.item_present.shape[1],
-        "forgetting": None if replay.held is None else replay.held.forgetting,
+        "forgetting": None if replay.knowledge is None else replay.knowledge.forgetting,
         "most_believed": int(np.clip(replay.belief, 0, MOST_COUNT).max(initial=0)),
         "text": text,
     }
@@ -69,10 +69,10 @@ def _beginning(replay: Recording, steps: int) -> Recording:
     frames = int(steps * replay.period_s / replay.frame_s + 1e-6) + 1
     by_step = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
     by_frame = ("track_pose", "track_items", "track_present", "track_wind")
-    held = None if replay.held is None else replay.held.until(steps)
+    held = None if replay.knowledge is None else replay.knowledge.until(steps)
     cut: dict[str, Any] = {name: getattr(replay, name)[: steps + 1] for name in by_step}
     cut |= {name: getattr(replay, name)[:frames] for name in by_frame}
-    return replace(replay, held=held, **cut)
+    return replace(replay, knowledge=held, **cut)
 
 
 def _pose_stride(item_stride: int) -> int:
@@ -96,7 +96,7 @@ def _parts(replay: Recording, stride: int) -> list[Ints]:
         *changes(np.clip(replay.belief, 0, MOST_COUNT)),
         *changes(idle),
         *changes(replay.in_view),
-        *([] if replay.held is None else _held_parts(replay.held, replay.navigable.size)),
+        *([] if replay.knowledge is None else _held_parts(replay.knowledge, replay.navigable.size)),
     ]
 
 
@@ -111,7 +111,7 @@ def _held_parts(held: KnowledgeRecord, cells: int) -> list[Ints]:
     linked = held.linked.astype(np.int64)
     parts = [
         held.known_from.astype(np.int64) + 1,
-        *changes(held.heard),
+        *changes(held.received),
         *changes(linked + np.clip(held.lost, 0, MOST_COUNT)),
     ]
     for agent in range(len(held.known_from)):

@@ -1,17 +1,13 @@
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from mjforage.base.errors import UserError
 from mjforage.bench import decisions, running, workloads
 from mjforage.bench.decisions import decision_times, fleet_setup
-from mjforage.bench.running import Rate, against, bench, rate
+from mjforage.bench.running import Rate, rate
 from mjforage.physics.simulation.integrators import Integrator
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import load_scenario
-
-HERE = Path(__file__).resolve().parents[3]
 
 
 @pytest.mark.parametrize(
@@ -53,20 +49,6 @@ def test_a_rate_is_the_median_of_slices_and_the_quickest(monkeypatch: pytest.Mon
     calls = iter([100.0])
     assert rate(lambda: next(calls)) == Rate(value=4.0, quickest=8.0)
     assert not list(calls)
-
-
-def test_a_checkout_is_compared_with_itself_in_slices() -> None:
-    measured: list[str] = []
-    (pair,) = against(HERE, slices=2, seconds=0.01, progress=measured.append, keys=("hashing",))
-    assert measured == ["hashing"] == list(bench(keys=("hashing",)))
-    assert min(pair.ours, pair.theirs) > 0.0 and pair.low <= pair.ratio <= pair.high
-
-
-def test_what_is_no_checkout_and_too_few_slices_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="is no checkout of mjforage"):
-        against(tmp_path)
-    with pytest.raises(UserError, match="--slices 1: give at least 2"):
-        against(HERE, slices=1)
 
 
 def test_fleets_are_half_scouts() -> None:

@@ -26,34 +26,19 @@ pytestmark = pytest.mark.usefixtures("here")
         (["evalute"], 'Unknown command "evalute". Did you mean "evaluate"?'),
         (["--nonsense"], "--nonsense"),
         (["evaluate", "--polcy", "greedy"], "--polcy. Did you mean --policy?"),
-        (["evaluate", "comb-port", "--polcy", "greedy"], ": Unknown option: --polcy. Did you mean"),
-        (["compare", "comb-port", "--policies=greedy"], "--policies. Did you mean --policy?"),
         (["render", "--polcy", "greedy"], "Unknown option: --polcy. Did you mean --policy?"),
-        ([*GREEDY, "--figures", "pdf", "png"], "afterwards: mjforage report FOLDER --figures"),
-        (["compare", "open-bay", "--tables=csv"], "afterwards: mjforage report FOLDER --tables"),
-        (["study", "board", "--figures", "pdf"], "afterwards: mjforage report FOLDER --figures"),
         ([*EVALUATE, "--world", "physic"], "world physic: unknown; did you mean physics?"),
-        (["manoeuvre", "otter", "--test", "drft"], "drft: unknown; did you mean drift?"),
         (
             [*EVALUATE, "--set", "policy.gredy.distance=2"],
             "did you mean policy.greedy.distance? As it is, give policy.NAME.OPTION=VALUE",
         ),
         (["report", "r1", "r3", "--output", "x.html"], "It is a folder, for report.html and more"),
         ([*EVALUATE, "--out", "x.html"], "for report.html and more; give --out x"),
-        (
-            ["evaluate"],
-            "evaluate --policy is missing, or its value: A policy (see `mjforage",
-        ),
-        (["compare", "--policy"], "compare --policy is missing, or its value: A policy"),
-        (["train"], "train ALGORITHM is missing, or its value: ddqn (Double DQN), mappo"),
+        (["evaluate"], "--policy requires an argument"),
+        (["train"], "ALGORITHM requires an argument"),
         (["completion", "csh"], "Choose from"),
-        (["help", "evalute"], 'Unknown command "evalute". Did you mean "evaluate"?'),
-        (["evaluate", "--policy", "gredy"], "policy gredy: unknown; did you mean greedy?"),
+        (["evaluate", "--policy", "levy", "gredy"], "gredy: unknown; did you mean greedy?"),
         (["evaluate", "--policy", "greedy", "--policy", "greedy"], "policy greedy: given twice"),
-        (
-            [*EVALUATE, "--world", "moon"],
-            "world moon: unknown; choose graph, hulls, calibrated, debris",
-        ),
         ([*GREEDY, "--episodes", "0"], "episodes 0, seed 0: give at least 1"),
         ([*GREEDY, "--episodes", "many"], '--episodes: unable to convert "many" into int'),
         ([*EVALUATE, "--jobs", "0"], "jobs 0"),
@@ -76,7 +61,7 @@ pytestmark = pytest.mark.usefixtures("here")
         (["report", "nowhere"], "nowhere: no such folder"),
         (["report"], "FOLDER"),
         (["render", "nowhere", "-o", "a.png"], "nowhere/run.json: file is missing"),
-        (["render", "nowhere"], "render --out is missing, or its value: FILE.mp4, FILE.gif"),
+        (["render", "nowhere"], "--out requires an argument"),
         (["maps", "nowhere"], "map nowhere: neither a shipped map"),
         (["maps", "harbour:comb:7"], "no kind 'comb'; give harbour:KIND:SEED or harbour:KIND:SEED"),
         (["maps", "harbours:0-2", "-o", "a.csv"], "picture a.csv: unknown kind; give"),
@@ -137,15 +122,14 @@ def test_version_and_help(command: Callable[..., Any]) -> None:
     for name in ("bench", "compare", "evaluate", "maps", "policies", "render", "validate", "view"):
         assert name in text
         assert "Usage" in command(name, "--help").out
-    assert command().out == command("help").out == text
-    assert command("help", "study", "board").out == command("study", "board", "--help").out
+    assert command().out == text
 
 
 def test_every_command_that_writes_takes_the_same_flag() -> None:
     writing = 0
     for told in app, study:
         for name in told:
-            if name.startswith("-") or name in ("study", "help", "completion", "view"):
+            if name.startswith("-") or name in ("study", "completion", "view"):
                 continue
             flags = {
                 flag for one in told[name].assemble_argument_collection() for flag in one.names

@@ -31,7 +31,7 @@ LACKS = {
     ("evaluate", *SHORT, "--policy", "orienteering"): (
         "policy orienteering: needs ortools; @orienteering"
     ),
-    (*GREEDY, "--local-cluster", "1"): "dask: needs distributed; @cluster",
+    (*GREEDY, "--scheduler", "tcp://a:1"): "dask: needs distributed; @cluster",
     ("render", "run", "-o", "run.mp4"): "output run.mp4: needs av; @film",
     ("render", "run", "-o", "run.gif"): "output run.gif: needs av; @film",
     ("train", "ddqn", "--updates", "1"): "train ddqn: needs torch; @learn",

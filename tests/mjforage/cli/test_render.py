@@ -40,9 +40,7 @@ def test_render_draws_a_frame_a_series_and_films(
     ("arguments", "words"),
     [
         (["-o", "a.png", "--episode", 2], "it holds episodes 0 to 1 of greedy, lawnmower"),
-        (["-o", "a.png", "--policy", "pso"], "no episode 0 of pso"),
-        (["-o", "a.png", "--beside", "pso"], "beside pso: not in"),
-        (["-o", "a.png", "--beside", "greedy"], "beside greedy: is the film's own policy"),
+        (["-o", "a.png", "--beside", "pso"], "no episode 0 of pso"),
         (["-o", "a.png", "--camera", "front"], 'Invalid value "front" for --camera'),
         (["-o", "a.png", "--world", "moon"], "no episode 0 of greedy in world moon"),
         (["-o", "a.doc"], "a.doc: unknown kind of file"),

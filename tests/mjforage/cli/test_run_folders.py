@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import polars as pl
 import pytest
 
 from mjforage.cli import console
@@ -90,22 +89,6 @@ def test_a_report_that_cannot_be_written_is_one_line(refused: Refused, folder: P
     assert (folder / "summary.json").is_file()
 
 
-@pytest.mark.parametrize("table", ["episodes", "steps", "items", "agents"])
-@pytest.mark.parametrize("content", [b"", b"PAR1 truncated", None])
-def test_a_spoilt_table_is_one_line_and_stays(
-    table: str, content: bytes | None, refused: Refused, folder: Path
-) -> None:
-    path = folder / f"{table}.parquet"
-    if content is None:
-        pl.DataFrame({"price": [1.0]}).write_parquet(path)
-    else:
-        path.write_bytes(content)
-    before = path.read_bytes()
-    assert str(path) in refused(*EVALUATE, "--policy", "lawnmower", "--out", folder)
-    assert str(path) in refused("report", folder)
-    assert path.read_bytes() == before
-
-
 def test_a_spoilt_table_moved_away_is_made_again(
     command: Callable[..., Any], folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -116,14 +99,6 @@ def test_a_spoilt_table_moved_away_is_made_again(
     assert command(*EVALUATE, "--policy", "lawnmower", "--out", folder).code == 0
     assert path.read_bytes() == whole
     assert (folder / "summary.json").read_bytes() == summary
-
-
-def test_another_run_in_the_folder_is_one_line(refused: Refused, folder: Path) -> None:
-    message = refused(*EVALUATE, "--policy", "lawnmower", "--seed", 3, "--out", folder)
-    assert (
-        f"{folder}: holds another run: seed is 0 there and 3 here; give --fresh to keep that "
-        "folder aside and begin anew, or choose another --out" in message
-    )
 
 
 def test_the_default_folder_has_the_name_of_the_scenario(

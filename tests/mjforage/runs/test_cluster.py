@@ -35,7 +35,6 @@ from mjforage.view.report import studies
 report.write_report = studies.write_study_report = lambda folder: folder / "report.html"
 """
 """Its seconds prove nothing here; tests of reports and studies draw it."""
-needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
 
 
 def wait_for(condition: Callable[[], object], what: str) -> None:
@@ -45,25 +44,13 @@ def wait_for(condition: Callable[[], object], what: str) -> None:
         time.sleep(0.01)
 
 
-def dask_workers(pid: int) -> list[int]:
-    """Worker processes of a cluster that a process started."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*"):
-        try:
-            parent = (path / "stat").read_text().rpartition(")")[2].split()[1]
-            if int(parent) == pid and "spawn_main" in (path / "cmdline").read_text():
-                found.append(int(path.name))
-        except OSError:
-            continue
-    return found
-
-
 def chunks(folder: Path) -> int:
     return len(list(folder.glob("variants/*/chunks/[g]*")))
 
 
-@needs_proc
-def test_a_worker_killed_in_the_middle_changes_no_bit(start: Start, tmp_path: Path) -> None:
+def test_a_worker_killed_in_the_middle_changes_no_bit(
+    start: Start, scheduler: str, tmp_path: Path
+) -> None:
     setup = Setup.of(load_scenario("published", ["horizon=60"]))
     plain, killed = tmp_path / "plain", tmp_path / "killed"
     study = Study(
@@ -74,22 +61,22 @@ def test_a_worker_killed_in_the_middle_changes_no_bit(start: Start, tmp_path: Pa
         options={},
     )
     run_study(study, plain)
+    with cluster.connected(scheduler) as client:
+        workers = list(client.run(os.getpid).values())
     process = start(
         *("study", "ablation", "published", "--policy", "greedy", "--set", "horizon=60"),
-        *("--episodes", EPISODES, "--local-cluster", 2, "--out", killed),
+        *("--episodes", EPISODES, "--scheduler", scheduler, "--out", killed),
         before=NO_REPORT,
     )
     wait_for(lambda: chunks(killed), "a finished chunk")
-    before = dask_workers(process.pid)
-    assert len(before) == 2
-    os.kill(before[0], signal.SIGKILL)
+    os.kill(workers[0], signal.SIGKILL)
     out, err = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, err) == (0, ""), out
     for name in ("summary.json", "variants/scouts-less/steps.parquet"):
         assert (killed / name).read_bytes() == (plain / name).read_bytes(), name
     costs = [one for path in killed.glob("variants/*/costs.json") for one in load_costs(path)]
     assert sum(cost.episodes for cost in costs) == 3 * EPISODES
-    assert {(cost.workers, cost.how) for cost in costs} == {(2, "local dask cluster")}
+    assert {(cost.workers, cost.how) for cost in costs} == {(2, f"dask at {scheduler}")}
 
 
 def unused_port() -> int:
@@ -154,9 +141,7 @@ def test_addresses_that_dask_prints_are_taken(address: str) -> None:
     assert Workers(scheduler=address).scheduler == address
 
 
-@pytest.mark.parametrize(
-    "flags", [("--jobs", 2, "--local-cluster", 2), ("--jobs", 0), ("--local-cluster", -1)]
-)
+@pytest.mark.parametrize("flags", [("--jobs", 2, "--scheduler", "tcp://a:1"), ("--jobs", 0)])
 def test_workers_are_counted_once(flags: tuple[object, ...], refused: Refused) -> None:
     words = refused("evaluate", "comb-port", "--policy", "greedy", *flags)
     assert "give one of them" in words or "give at least 1 worker" in words
@@ -218,9 +203,11 @@ def noted(folder: Path, name: str, waits: bool) -> str:
     return str(os.getpid())
 
 
-def test_what_was_reported_is_not_computed_again_when_its_worker_dies(tmp_path: Path) -> None:
+def test_what_was_reported_is_not_computed_again_when_its_worker_dies(
+    scheduler: str, tmp_path: Path
+) -> None:
     """Its chunks are merged by then: a second one would be left behind in the folder."""
-    with cluster.connected("", 2) as client:
+    with cluster.connected(scheduler) as client:
         work = [(tmp_path, "first", False), (tmp_path, "second", True)]
         results = cluster.finished(client, noted, work)
         at = {str(pid): address for address, pid in client.run(os.getpid).items()}
@@ -263,10 +250,12 @@ def test_a_scheduler_that_is_killed_on_the_way_is_named(
     assert err.startswith("mjforage: ") and "finished chunks are kept" in err
 
 
-def test_one_worker_computes_too(start: Start, tmp_path: Path) -> None:
+def test_the_workers_compute_and_the_command_does_not(
+    start: Start, scheduler: str, tmp_path: Path
+) -> None:
     process = start(
         *("evaluate", "published", "--policy", "greedy", "--set", "horizon=5", "--episodes", 30),
-        *("--local-cluster", 1, "--out", tmp_path / "run"),
+        *("--scheduler", scheduler, "--out", tmp_path / "run"),
         before=NO_REPORT + "from mjforage.runs import jobs; jobs.Scorer = None",
     )
     _, err = process.communicate(timeout=PATIENCE_S)
@@ -277,6 +266,6 @@ def test_dask_that_is_missing_is_named(
     refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    flags = ("--local-cluster", 1, "--out", tmp_path / "run")
+    flags = ("--scheduler", "tcp://a:1", "--out", tmp_path / "run")
     words = refused("evaluate", "comb-port", "--policy", "greedy", *flags)
     assert "dask: needs distributed; install it with pip install 'mjforage[cluster]'" in words

@@ -15,7 +15,7 @@ from mjforage.graph_planner.policies.registry import check_policies
 from mjforage.mission.scoring import chosen_metrics
 from mjforage.mission.setup import Setup
 from mjforage.runs import evaluate as module
-from mjforage.runs import fingerprint, layout
+from mjforage.runs import layout
 from mjforage.runs.costs import Costs
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate, summarise
@@ -92,14 +92,6 @@ def test_every_decision_is_logged(finished: Path) -> None:
     ).drop_nulls("direction")
     compass = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (0, 0)]
     assert moved.select("north", "east").rows() == [compass[d] for d in moved["direction"]]
-
-
-def test_replays_show_the_first_episode_as_logged(finished: Path) -> None:
-    for policy in ("greedy", "levy"):
-        replay = Recording.load(finished / "replay" / f"graph-{policy}-0.npz")
-        logged = tables(finished, policy)["agents"].filter(pl.col("episode") == 0)
-        nodes = logged.sort("step", "agent").select("row", "col").to_numpy()
-        assert (replay.agent_rc.reshape(-1, 2) == nodes).all()
 
 
 def test_summary_is_of_the_episodes_with_null_where_undefined(finished: Path) -> None:
@@ -191,14 +183,6 @@ def test_teams_of_any_name_and_number_run(evaluate_small: Small, tmp_path: Path)
     assert tables(run)["agents"]["agent"].max() == 4
 
 
-def test_a_run_says_which_of_its_policies_are_bounds(
-    finished: Path, evaluate_small: Small, tmp_path: Path
-) -> None:
-    run = evaluate_small(tmp_path / "run", policies=["oracle", "levy"], episodes=1)
-    assert json.loads((run / "run.json").read_text())["bounds"] == ["oracle"]
-    assert json.loads((finished / "run.json").read_text())["bounds"] == []
-
-
 def recompute_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         pytest.fail("a finished run was computed again")
@@ -234,31 +218,6 @@ def test_what_follows_from_the_tables_is_mended(
         assert Recording.load(run_copy / name).policy == "levy"
 
 
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ({"policies": ["greedy"]}, 'policies is ["greedy", "levy"] there and ["greedy"] here'),
-        ({"policies": ["levy", "greedy"]}, 'policies is ["greedy", "levy"] there'),
-        ({"seed": 5}, "seed is 0 there and 5 here"),
-        ({"episodes": 2}, "episodes is 3 there and 2 here, and a run goes on to more only"),
-        ({"horizon": 13}, "scenario.horizon is 12 there and 13 here"),
-        ({"overrides": ["team.scouts.count=3"]}, "scenario.team.scouts.count is 2 there and 3"),
-        (
-            {"overrides": ["map.file=open_bay", "map.starts=[]"]},
-            'scenario.map.file is "comb_port" there and "open',
-        ),
-    ],
-)
-def test_other_settings_are_refused_and_change_nothing(
-    settings: dict[str, Any], words: str, run_copy: Path, evaluate_small: Small
-) -> None:
-    before = {path: path.read_bytes() for path in run_copy.rglob("*") if path.is_file()}
-    with pytest.raises(UserError) as caught:
-        evaluate_small(run_copy, **settings)
-    assert words in str(caught.value)
-    assert {p: p.read_bytes() for p in run_copy.rglob("*") if p.is_file()} == before
-
-
 def test_weights_that_changed_are_another_run(
     evaluate_small: Small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -268,14 +227,6 @@ def test_weights_that_changed_are_another_run(
     shutil.copy(shipped_weights("ddqn-reward"), "mine.safetensors")
     with pytest.raises(UserError, match=r"weights.mine is .* there and .* here"):
         evaluate_small(tmp_path / "run", policies=["mine"], episodes=1)
-
-
-def test_another_version_is_refused(
-    run_copy: Path, evaluate_small: Small, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(fingerprint, "_version", lambda name: "99.0")
-    with pytest.raises(UserError, match=r'versions.numba is "[0-9.]+" there and "99.0" here'):
-        evaluate_small(run_copy)
 
 
 @pytest.fixture
@@ -318,17 +269,6 @@ def test_a_changed_map_of_the_same_name_is_read_again(harbour: Path, tmp_path: P
     harbour.write_text("0,0,0,0,0,0\n" * 3 + "0,1,1,1,1,0\n0,1,1,1,1,0\n")
     after = on_harbour(harbour, tmp_path / "after")
     assert set(after["row"]) <= {3, 4}
-
-
-def test_a_folder_below_a_file_and_one_of_something_else_are_refused(
-    evaluate_small: Small, tmp_path: Path
-) -> None:
-    (tmp_path / "file").write_text("mine")
-    with pytest.raises(UserError, match="cannot be written"):
-        evaluate_small(tmp_path / "file" / "run")
-    with pytest.raises(UserError, match=r"holds file but no run\.json"):
-        evaluate_small(tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,10 @@ import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
-from mjforage.runs import foreign
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.foreign import own_command
 from mjforage.runs.resuming import archive, open_folder
-from mjforage.runs.run_info import again, load_run, read_json
+from mjforage.runs.run_info import load_run
 from mjforage.runs.selection import recording_file
 from mjforage.runs.studies.study import load_study_info
 from mjforage.scenario import sizes
@@ -167,19 +165,6 @@ def test_the_folder_itself_may_be_reached_by_a_link(run: Path) -> None:
     assert load_run(run.parent / "link" / "run.json").policies == ("greedy",)
 
 
-@pytest.mark.parametrize(
-    "command",
-    ["curl evil | sh", "mjforage report x; rm -r ~", "mjforage 'x", "", "mjforage a\nb", "rm -r x"],
-)
-def test_nobody_is_told_to_run_a_command_of_a_file_that_is_not_ours(
-    run: Path, command: str
-) -> None:
-    assert again(run).startswith("run `")
-    (run / "run.json").write_text(json.dumps(content(run) | {"command": command}))
-    assert again(run) == "run the command that made this folder again"
-    assert own_command("mjforage evaluate comb-port --policy 'greedy(distance=2)'")
-
-
 def test_files_that_unpack_to_more_than_the_machine_has_are_refused(
     run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -193,11 +178,3 @@ def test_files_that_unpack_to_more_than_the_machine_has_are_refused(
     monkeypatch.setattr(sizes, "machine_bytes", lambda: 10**6)
     with pytest.raises(UserError, match=r"greedy-0.npz needs about 0 GB of memory, this machine"):
         Recording.load(path)
-
-
-def test_a_json_file_larger_than_any_of_ours_is_refused(
-    run: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(foreign, "_LARGEST", 100)
-    with pytest.raises(UserError, match=r"run.json: 0 MB are more than any run writes; run the"):
-        read_json(run / "run.json")

@@ -44,8 +44,8 @@ def replay() -> Recording:
 
 
 def held_of(replay: Recording) -> KnowledgeRecord:
-    assert replay.held is not None
-    return replay.held
+    assert replay.knowledge is not None
+    return replay.knowledge
 
 
 def test_maps_are_what_holders_knew_after_every_step(replay: Recording) -> None:
@@ -101,12 +101,12 @@ def test_contacts_and_losses_are_those_of_the_link(replay: Recording) -> None:
         away = np.hypot(*np.moveaxis(replay.agent_rc[step][:, None] - replay.agent_rc[step], -1, 0))
         assert (away[held.linked[step]] <= 10.0).all() and not held.linked[step].diagonal().any()
         np.testing.assert_array_equal(held.linked[step], held.linked[step].T)
-        np.testing.assert_array_equal(held.heard[step], radio.knowledge.agent_seen)
+        np.testing.assert_array_equal(held.received[step], radio.knowledge.agent_seen)
         before = total
         if step < STEPS:
             mission.advance(mission.ask(policy))
     assert held.lost.sum() > 0 and held.linked.any() and not held.linked[-1].all()
-    assert (held.heard[:, range(4), range(4)] == np.arange(len(held.changes))[:, None]).all()
+    assert (held.received[:, range(4), range(4)] == np.arange(len(held.changes))[:, None]).all()
 
 
 def test_idleness_grows_from_the_newest_look() -> None:
@@ -128,7 +128,7 @@ def test_a_replay_over_a_link_comes_back_from_its_file(replay: Recording, tmp_pa
 
 def test_without_a_link_nothing_is_kept() -> None:
     replay = record(setup_of("horizon=3"), "graph", "greedy", 3, 0)
-    assert replay.held is None
+    assert replay.knowledge is None
     assert b"held_" not in replay.content()
 
 
@@ -164,6 +164,6 @@ def test_a_recorder_takes_down_each_step_once() -> None:
     mission, recorder = Mission(setup_of(*LINK)), KnowledgeRecorder()
     mission.reset(3, np.arange(1))
     recorder.see(mission)
-    held = recorder.held(mission)
+    held = recorder.record(mission)
     assert held.changes.shape == (1,) and held.changes[0] == len(held.cell) > 0
     assert (held.seen == 0).all() and set(held.agent) == {0, 1, 2, 3}

@@ -93,10 +93,12 @@ def played(name: str, *metrics: str, jobs: int = 1, **options: Any) -> Path:
     return Path(name)
 
 
-@pytest.mark.parametrize("workers", [Workers(jobs=2), Workers(local_cluster=1)])
-def test_other_processes_take_it_to_the_same_bits(folder: Path, workers: Workers) -> None:
-    if workers.remote:
-        pytest.importorskip("distributed")
+@pytest.mark.parametrize("remote", [False, True])
+def test_other_processes_take_it_to_the_same_bits(
+    folder: Path, remote: bool, request: pytest.FixtureRequest
+) -> None:
+    address = request.getfixturevalue("scheduler") if remote else ""
+    workers = Workers(1 if remote else 2, address)
     one = played("one", OWN, episodes=30)
     two = played("two", OWN, episodes=30, workers=workers)
     for name in ("episodes", "steps"):
@@ -147,8 +149,7 @@ def test_a_run_without_it_shows_a_dash(
     assert row.count(f">{number(math.nan, 3)}<") >= 3, row
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_an_error_in_it_is_one_line(folder: Path, jobs: int) -> None:
+def test_an_error_in_it_is_one_line(folder: Path) -> None:
     spoilt = SOURCE.replace("removed = batch.events.collected_at", "removed = batch.missing")
     (folder / "own_waste.py").write_text(spoilt)
     line = 1 + spoilt[: spoilt.index("batch.missing")].count("\n")
@@ -156,7 +157,7 @@ def test_an_error_in_it_is_one_line(folder: Path, jobs: int) -> None:
         rf"^metric {OWN}: raised AttributeError: .*'missing' \(own_waste.py, line {line}\); mend"
     )
     with pytest.raises(UserError, match=words):
-        played("run", OWN, jobs=jobs)
+        played("run", OWN, jobs=2)
 
 
 def test_its_source_is_part_of_the_run(folder: Path) -> None:
@@ -206,22 +207,6 @@ def test_an_installed_one_that_is_broken_stops_no_run_and_no_list(
     (installed.parent / "own_waste.py").write_text("import own_engine")
     played("run")
     assert "metric left: module own_waste needs own_engine" in command("metrics").out
-
-
-def test_an_error_in_an_installed_one_is_one_line(installed: Path) -> None:
-    spoilt = SOURCE.replace("removed = batch.events.collected_at", "removed = batch.missing")
-    (installed.parent / "own_waste.py").write_text(spoilt)
-    with pytest.raises(UserError, match=r"^metric left: raised AttributeError: .*; mend it"):
-        played("run", "left")
-
-
-def test_episodes_that_come_when_it_is_gone_have_none(folder: Path) -> None:
-    before = RunFolder(played("run", OWN)).table("episodes")["left"].to_list()
-    run = played("run", episodes=3, resume="accept-code-change")
-    left = RunFolder(run).table("episodes")["left"].to_list()
-    assert left[:2] == before and math.isnan(left[2])
-    found = json.loads((run / "summary.json").read_text())["graph"]["greedy"]["left"]
-    assert found["n"] == 2
 
 
 @pytest.mark.usefixtures("unprinted")

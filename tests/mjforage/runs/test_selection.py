@@ -123,12 +123,6 @@ def test_the_choice_is_no_part_of_the_run_and_a_finished_one_is_added_to(tmp_pat
     assert {path.name: path.read_bytes() for path in folder.glob("*.parquet")} == before
 
 
-def test_a_number_that_is_not_there_writes_nothing(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="--replay 5: the run has episodes 0 to 4"):
-        run(tmp_path / "run", kept=(5,))
-    assert not (tmp_path / "run").exists()
-
-
 def test_an_episode_that_does_not_come_out_as_logged_is_not_kept(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -13,8 +13,9 @@ from mjforage.base.atomic_files import write_json
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.runs.costs import Cost
-from mjforage.runs.identity import hull_facts, run_hash
+from mjforage.runs.identity import hull_facts
 from mjforage.runs.resuming import archive
+from mjforage.runs.run_info import AGAIN
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import SCHEMAS, TABLES
 from mjforage.scenario.scenario_file import load_scenario
@@ -223,7 +224,7 @@ def test_a_spoilt_chunk_is_named_and_left(
     message = error_of(run.has, FIRST)
     assert message.startswith(f"{path}: ")
     assert words in message
-    assert message.endswith(f"move {chunk_folder(run)} away and run `{INFO['command']}` again")
+    assert message.endswith(f"move {chunk_folder(run)} away and {AGAIN}")
     assert sorted(chunk_folder(run).iterdir()) == left
 
 
@@ -242,7 +243,7 @@ def test_a_spoilt_cost_of_a_chunk_is_named(run: RunFolder, text: str | None) -> 
     path.unlink()
     if text is not None:
         path.write_text(text)
-    words = f"delete {chunk_folder(run)} and run `{INFO['command']}` again"
+    words = f"delete {chunk_folder(run)} and {AGAIN}"
     assert words in error_of(run.has, FIRST)
 
 
@@ -297,29 +298,6 @@ def test_an_impossible_folder_is_one_error(tmp_path: Path, place: str) -> None:
     message = error_of(RunFolder(tmp_path / place).open, INFO)
     assert "cannot be written" in message
     assert "; give a " in message or "; move what is there away" in message
-
-
-@pytest.mark.parametrize("place", ["file", "file/run"])
-def test_a_file_in_the_way_of_a_folder_is_named(tmp_path: Path, place: str) -> None:
-    (tmp_path / "file").write_text("kept")
-    message = error_of(RunFolder(tmp_path / place).open, INFO)
-    assert "cannot be written (a file is there, or where a folder above it should be)" in message
-    assert "space" not in message
-    assert (tmp_path / "file").read_text() == "kept"
-
-
-def test_hash_depends_on_scenario_map_code_and_versions_of_what_computes() -> None:
-    assert run_hash(INFO) == run_hash(INFO | {"seed": 9, "started": "later"})
-    unlike = INFO["versions"] | {"python": "3", "mjforage": "2"}
-    assert run_hash(INFO) == run_hash(INFO | {"versions": unlike})
-    for key, value in (
-        ("scenario", {"name": "y"}),
-        ("map", {"name": "m", "navigable": ["11", "11"]}),
-        ("versions", INFO["versions"] | {"mujoco": "4"}),
-        ("code", INFO["code"] | {"mission/moves.py": "ef"}),
-    ):
-        assert run_hash(INFO) != run_hash(INFO | {key: value})
-    assert len(run_hash(INFO)) == 16
 
 
 def test_a_folder_is_written_by_one_process_at_a_time(tmp_path: Path) -> None:

@@ -112,17 +112,6 @@ def test_a_place_in_a_file_never_stands_for_a_known_name(folder: Path) -> None:
     assert untouched(folder)
 
 
-def test_the_command_says_which_flag_lets_it(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    run = run_of("greedy")
-    rewritten(run, policies=["evil:Enc"])
-    with pytest.raises(SystemExit) as ended:
-        main(["render", "run", "-o", "x.png"])
-    assert ended.value.code == 2 and "add --trust evil:Enc" in capsys.readouterr().err
-    assert untouched(folder)
-
-
 @pytest.mark.parametrize(
     "flags", [["--policy", "trust_mine:North"], ["--trust", "trust_mine:North"]]
 )

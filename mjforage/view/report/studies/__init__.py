@@ -4,7 +4,7 @@ from pathlib import Path
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
-from mjforage.runs.run_info import again
+from mjforage.runs.run_info import AGAIN
 from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
 from mjforage.view.report.report_page import NOTES, notes_section
 from mjforage.view.report.studies import (
@@ -60,8 +60,7 @@ def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
     logs = load_study(folder)
     if logs.kind not in PAGES:
         raise UserError(
-            f"{folder / 'study.json'}: kind {logs.kind!r} is not one of {', '.join(PAGES)}; "
-            f"{again(folder, 'study.json')}"
+            f"{folder / 'study.json'}: kind {logs.kind!r} is not one of {', '.join(PAGES)}; {AGAIN}"
         )
     notes: tuple[str, ...] = NOTES
     sections = [*opening_sections(logs), *PAGES[logs.kind](logs), cost_section(logs)]

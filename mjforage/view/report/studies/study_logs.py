@@ -8,7 +8,7 @@ from typing import Any
 from mjforage.base.errors import UserError
 from mjforage.mission.scoring import Description, describe
 from mjforage.runs.costs import Cost, load_costs
-from mjforage.runs.run_info import RunInfo, again
+from mjforage.runs.run_info import AGAIN, RunInfo
 from mjforage.runs.studies.study import StudyInfo, load_study_info, variant_folder
 from mjforage.view.page import style
 from mjforage.view.report.run_logs import Case, RunLogs, load_logs
@@ -102,7 +102,7 @@ def load_study(folder: Path) -> StudyLogs:
     file = folder / "study.json"
     info = load_study_info(file)
     if not (folder / "summary.json").is_file():
-        remedy = f"{again(folder, file.name)}, it completes the folder"
+        remedy = f"{AGAIN}, it completes the folder"
         raise UserError(f"{folder}: the study is not finished; {remedy}")
     places = {name: variant_folder(folder, name) for name in info.variants}
     runs = {name: load_logs(place) for name, place in places.items()}

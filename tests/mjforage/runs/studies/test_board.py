@@ -1,9 +1,7 @@
 """The board: courses of several maps and worlds in one study, resumed, and who cannot play."""
 
-import contextlib
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +12,6 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies.registry import POLICIES, policy_names
 from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.studies import variants
 from mjforage.runs.studies.board import board
 from mjforage.runs.studies.courses import courses_of
 from mjforage.runs.studies.study import LeftOut, Study, StudyInfo, load_study_info, run_study
@@ -51,20 +48,6 @@ def test_every_course_is_the_run_that_evaluate_makes(finished: Path, tmp_path: P
     assert [run["worlds"] for run in runs] == [["graph"], ["graph"], ["physics"]]
 
 
-def test_a_stopped_board_goes_on_where_it_was(finished: Path, tmp_path: Path) -> None:
-    def stop(done: int, _: int) -> None:
-        if done >= 8:
-            raise KeyboardInterrupt
-
-    folder, seen = tmp_path / "board", list[int]()
-    with contextlib.suppress(KeyboardInterrupt):
-        run_study(plan(), folder, progress=stop)
-    assert not (folder / "summary.json").exists()
-    run_study(plan(), folder, progress=lambda done, total: seen.append(done))
-    assert (seen[0], seen[-1]) == (8, 18), "finished chunks were computed again"
-    assert (folder / "summary.json").read_bytes() == (finished / "summary.json").read_bytes()
-
-
 def test_study_json_says_what_is_played_where_and_follows_its_schema(finished: Path) -> None:
     content = json.loads((finished / "study.json").read_text())
     jsonschema.validate(content, json_schema(StudyInfo))
@@ -76,31 +59,6 @@ def test_study_json_says_what_is_played_where_and_follows_its_schema(finished: P
         "comb-port@physics": ("physics",),
     }
     assert info.left_out == ()
-
-
-def test_another_board_in_the_folder_is_named(finished: Path) -> None:
-    fewer = board(courses_of(NAMES[:2], [], SMALL), PLAYERS, episodes=2)
-    with pytest.raises(UserError, match=r"worlds is .* there and .* here"):
-        run_study(fewer, finished)
-    others = board(courses_of(("comb-port", "channels", NAMES[2]), [], SMALL), PLAYERS, episodes=2)
-    with pytest.raises(UserError, match="holds another study: variants"):
-        run_study(others, finished)
-
-
-def test_a_variant_without_a_map_or_worlds_has_those_of_the_study(tmp_path: Path) -> None:
-    setup = Setup.of(load_scenario("comb-port", SMALL))
-    bay = Setup.of(load_scenario("open-bay", SMALL))
-    own = variants.ablation(setup.scenario, ["levy"])[:1]
-    other = replace(own[0], name="bay", scenario=bay.scenario, grid=bay.grid)
-    run_study(Study("ablation", setup, (*own, other), episodes=1), tmp_path / "study")
-    runs = {
-        name: json.loads((tmp_path / "study" / "variants" / name / "run.json").read_text())
-        for name in ("complete", "bay")
-    }
-    assert {name: run["map"]["name"] for name, run in runs.items()} == {
-        "complete": "comb_port",
-        "bay": "open_bay",
-    }
 
 
 class Landlubber:
@@ -136,23 +94,6 @@ def test_who_cannot_play_is_left_out_with_the_reason_or_refused_if_asked_for(
     assert set(study.variants[1].policies) == set(names) - {"landlubber"}
     with pytest.raises(UserError, match="course open-bay: policy landlubber: its weights do not"):
         board(courses, ("greedy", "landlubber"), episodes=2)
-
-
-@pytest.mark.parametrize(
-    ("flags", "words"),
-    [
-        (("comb-port@moon",), "course comb-port@moon: no world 'moon'"),
-        (("--policy", "gredy"), "policy gredy: unknown; did you mean greedy?"),
-        (("--map", "nowhere"), "nowhere"),
-        (("--episodes", 0, "comb-port", "--policy", "greedy"), "episodes 0"),
-        (("--jobs", 0), "jobs 0"),
-    ],
-)
-def test_bad_input_is_named_before_anything_is_written(
-    flags: tuple[object, ...], words: str, tmp_path: Path, refused: Refused
-) -> None:
-    assert words in refused("study", "board", *flags, "--out", tmp_path / "new")
-    assert not (tmp_path / "new").exists()
 
 
 def test_one_command_computes_and_draws_the_board_and_another_writes_its_page(

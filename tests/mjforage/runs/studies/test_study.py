@@ -63,13 +63,6 @@ def test_a_variant_is_the_run_that_evaluate_makes(finished: Path, tmp_path: Path
     assert {key: told[0][key] for key in keys} == {key: told[1][key] for key in keys}
 
 
-def test_variants_share_their_episodes(finished: Path) -> None:
-    lists = [
-        (path / "run.json").read_text().count('"seed": 0') for path in finished.glob("variants/*")
-    ]
-    assert lists == [1] * (1 + 2 + 2 * 4)
-
-
 def test_a_stopped_study_goes_on_where_it_was(finished: Path, tmp_path: Path) -> None:
     def stop(done: int, _: int) -> None:
         if done >= 30:
@@ -103,22 +96,6 @@ def test_a_finished_study_goes_on_to_more_episodes(folder: Path, tmp_path: Path)
         run_study(plan(3), folder)
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        (("--seed", 1), "seed is 0 there and 1 here"),
-        (("--per-agent",), "options.whole_team is true there and false here"),
-        (("--set", "items.mean=50.0"), "scenario.items.mean is 75.0 there and 50.0 here"),
-        (("--policy", "random"), 'variants.complete.policies is ["greedy", "levy"] there and ["'),
-        (("--world", "hulls"), 'worlds is ["graph"] there and ["hulls"] here'),
-    ],
-)
-def test_other_settings_are_named(
-    folder: Path, changes: tuple[object, ...], words: str, refused: Refused
-) -> None:
-    assert words in refused(*PAPER, "--out", folder, *changes)
-
-
 def test_another_kind_and_other_folders_are_named(
     folder: Path, tmp_path: Path, refused: Refused
 ) -> None:
@@ -134,13 +111,8 @@ def test_another_kind_and_other_folders_are_named(
     ("changes", "words"),
     [
         (("--policy", "gredy"), "policy gredy: unknown; did you mean greedy?"),
-        (("--world", "moon"), "world moon: unknown"),
         (("--step", 0.3), "--step 0.3: give 1/N"),
-        (("--episodes", 0), "episodes 0"),
-        (("--jobs", 0), "jobs 0"),
         (("--scheduler", "tcp://node7"), "is no address"),
-        (("--set", "team.scouts.count=-1"), "team.scouts.count"),
-        (("--map", "nowhere"), "nowhere"),
     ],
 )
 def test_bad_input_is_named_before_anything_is_written_or_printed(
@@ -194,31 +166,8 @@ def test_study_json_follows_its_schema(folder: Path) -> None:
 
 def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:
     (folder / "summary.json").unlink()
-    command = json.loads((folder / "study.json").read_text())["command"]
-    words = " ".join(f"the study is not finished; run `{command}` again, it completes".split())
+    words = "the study is not finished; run the command that made this folder again, it completes"
     assert words in refused("report", folder)
-
-
-def test_a_spoilt_chunk_names_the_command_that_was_run(tmp_path: Path, refused: Refused) -> None:
-    folder = tmp_path / "study"
-    small = ("study", "ablation", "--policy", "greedy", "--episodes", 2, "--set", "horizon=5")
-    setup = Setup.of(load_scenario("published", ["horizon=5"]))
-    varied = variants.ablation(setup.scenario, ["greedy"])
-
-    def stop(done: int, _: int) -> None:
-        if done >= 2:
-            raise KeyboardInterrupt
-
-    with contextlib.suppress(KeyboardInterrupt):
-        run_study(Study("ablation", setup, varied, episodes=2), folder, progress=stop)
-    info = folder / "variants" / "complete" / "run.json"
-    info.write_text(
-        json.dumps(json.loads(info.read_text()) | {"command": "mjforage study ablation"})
-    )
-    (folder / "variants" / "complete" / "episodes.parquet").write_bytes(b"PAR1")
-    words = refused(*small, "--out", folder)
-    assert "away and run `mjforage study ablation` again" in words
-    assert "evaluate" not in words
 
 
 def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -> None:

@@ -57,7 +57,7 @@ def apart(build: Build) -> Recording:
         cell=np.array([own, own, own, own, 5 * 13 + 5, own], np.int32),
         seen=in_turn([0, 1, 2, 3, 1, 4]),
         items=in_turn([0, 0, 0, 0, 2, 0]),
-        heard=heard,
+        received=heard,
         known_from=np.array([[0, 0], [3, -1]], np.int16),
         linked=linked,
         lost=pairs,
@@ -70,7 +70,7 @@ def apart(build: Build) -> Recording:
         idleness=np.zeros_like(recording.idleness),
         in_view=view,
         t_discovered=in_turn([1, 1]),
-        held=held,
+        knowledge=held,
     )
 
 
@@ -138,7 +138,7 @@ def test_unknown_vessels_are_named(
 
 
 def test_without_a_link_nobody_sees_alone(apart: Recording) -> None:
-    plain = replace(apart, held=None)
+    plain = replace(apart, knowledge=None)
     assert seen_by(plain, "all") is plain
     with pytest.raises(UserError, match="seen by scouts_0: without a link all know the same"):
         seen_by(plain, "scouts_0")
@@ -169,10 +169,10 @@ def test_items_that_it_does_not_know_are_dim(apart: Recording) -> None:
 
 
 def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Recording) -> None:
-    assert apart.held is not None
-    nothing = np.zeros_like(apart.held.lost)
-    kept = replace(apart, held=replace(apart.held, lost=nothing))
-    none = replace(apart, held=replace(apart.held, lost=nothing, linked=nothing > 0))
+    assert apart.knowledge is not None
+    nothing = np.zeros_like(apart.knowledge.lost)
+    kept = replace(apart, knowledge=replace(apart.knowledge, lost=nothing))
+    none = replace(apart, knowledge=replace(apart.knowledge, lost=nothing, linked=nothing > 0))
     reds, changed = [], []
     for recording in (apart, kept, none):
         view = drawn(recording)

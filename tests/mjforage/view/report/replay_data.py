@@ -120,12 +120,12 @@ def over_link(replay: Recording, seed: int = 4) -> Recording:
         cell=np.concatenate(each).astype(np.int32),
         seen=np.maximum(step - rng.integers(0, 3, step.size), 0).astype(np.int16),
         items=rng.integers(0, 4, step.size).astype(np.int16),
-        heard=heard.astype(np.int16),
+        received=heard.astype(np.int16),
         known_from=rng.integers(-1, steps, (agents, items)).astype(np.int16),
         linked=linked,
         lost=(linked * rng.integers(0, 3, linked.shape)).astype(np.int16),
     )
-    return replace(replay, held=held)
+    return replace(replay, knowledge=held)
 
 
 def with_link(folder: Path) -> Recording:

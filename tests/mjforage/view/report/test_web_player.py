@@ -242,7 +242,7 @@ def test_what_nobody_saw_is_discovered_as_it_is_collected(make_run: MakeRun) -> 
 def test_the_browsers_code_reads_what_each_vessel_knows(make_run: MakeRun) -> None:
     folder = make_run(policies=("greedy",), episodes=1)
     replay = with_link(folder)
-    held, agents = replay.held, len(replay.agent_team)
+    held, agents = replay.knowledge, len(replay.agent_team)
     assert held is not None
     said = answers(shown(folder), "graph", np.zeros(1))
     water, steps = replay.navigable.ravel(), np.arange(len(held.changes))
@@ -258,7 +258,7 @@ def test_the_browsers_code_reads_what_each_vessel_knows(make_run: MakeRun) -> No
         np.testing.assert_array_equal(said["knows"][agent + 1], known)
     pooled = replay.belief.reshape(len(steps), -1)
     np.testing.assert_array_equal(said["minds"][0, : len(steps), 0], pooled)
-    np.testing.assert_array_equal(said["heard"], held.heard)
+    np.testing.assert_array_equal(said["heard"], held.received)
     step, b, a = np.nonzero(np.triu(held.linked))
     lost = held.lost[step, a, b] + held.lost[step, b, a]
     expected = np.stack((step, a, b, lost), axis=1)

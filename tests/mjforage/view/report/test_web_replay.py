@@ -180,21 +180,23 @@ def test_what_each_vessel_knows_follows_what_all_know(make_run: MakeRun) -> None
     folder = make_run(policies=("greedy",), episodes=1)
     alone = entry_of(shown(folder), "graph")
     replay = with_link(folder)
-    assert replay.held is not None
+    assert replay.knowledge is not None
     entry = entry_of(shown(folder), "graph")
     assert (alone["forgetting"], entry["forgetting"]) == (None, 0.05)
     before, numbers = list(unpacked(alone["text"])), unpacked(entry["text"])
     assert [next(numbers) for _ in before] == before
-    agents, items = replay.held.known_from.shape
-    steps = len(replay.held.changes)
+    agents, items = replay.knowledge.known_from.shape
+    steps = len(replay.knowledge.changes)
     known = [next(numbers) - 1 for _ in range(agents * items)]
-    assert known == replay.held.known_from.ravel().tolist()
-    np.testing.assert_array_equal(read_layer(numbers, (steps, agents, agents)), replay.held.heard)
+    assert known == replay.knowledge.known_from.ravel().tolist()
+    np.testing.assert_array_equal(
+        read_layer(numbers, (steps, agents, agents)), replay.knowledge.received
+    )
     pairs = read_layer(numbers, (steps, agents, agents))
-    np.testing.assert_array_equal(pairs > 0, replay.held.linked)
-    np.testing.assert_array_equal(np.maximum(pairs - 1, 0), replay.held.lost)
+    np.testing.assert_array_equal(pairs > 0, replay.knowledge.linked)
+    np.testing.assert_array_equal(np.maximum(pairs - 1, 0), replay.knowledge.lost)
     for agent in range(agents):
-        belief, seen = replay.held.maps(agent, replay.navigable.size)
+        belief, seen = replay.knowledge.maps(agent, replay.navigable.size)
         shape = (steps, *replay.navigable.shape)
         np.testing.assert_array_equal(read_layer(numbers, shape), belief.reshape(shape))
         last = np.where(seen < 0, 0, seen.astype(int) + 1)

@@ -1,21 +1,9 @@
-"""Commands about the commands: help, and completion in a shell."""
+"""Command for completion in a shell."""
 
 import sys
 from typing import Literal
 
 from mjforage.cli.console import app
-
-
-@app.command(name="help")
-def help_of(*command: str) -> None:
-    """Show the help of a command, as its --help; without one, list the commands.
-
-    Parameters
-    ----------
-    command
-        Name of a command, such as evaluate, or study board.
-    """
-    app([*command, "--help"], exit_on_error=False, print_error=False)
 
 
 @app.command
