@@ -246,9 +246,7 @@ def run_chunk(job: Job, chunk: Chunk) -> str | None:
 
     def do(setup: Setup) -> None:
         if job.parent is not None or not RunFolder(job.folder).has(chunk):
-            _play(
-                job, chunk, setup, began
-            )  # else a lost worker made it
+            _play(job, chunk, setup, began)  # else a lost worker made it
 
     return _done(job, do)
 
