@@ -21,16 +21,10 @@ def along_and_across(
 
 
 @kernel
-def los_course(course: float, across: float, lookahead: float) -> float:
-    """Course to steer [rad]: the path's, minus atan(y_e / Delta)."""
-    return course - math.atan(across / lookahead)
-
-
-@kernel
 def ilos_course(
     course: float, across: float, integral: float, kappa: float, lookahead: float
 ) -> float:
-    """Course to steer [rad]: the path's, minus atan((y_e + kappa y_int) / Delta).
+    """Course to steer [rad]: the path's, minus atan((y_e + kappa y_int) / Delta); LOS with y_int 0.
 
     Parameters
     ----------

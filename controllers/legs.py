@@ -9,7 +9,6 @@ from mjforage.controllers.guidance import (
     ilos_course,
     ilos_integral,
     ilos_rate,
-    los_course,
     stopping_speed,
 )
 from mjforage.controllers.loops import turning_limit
@@ -97,7 +96,7 @@ def follow_in_drift(
     Ferrying: through the water the vessel must make what it shall make over ground less the drift.
     """
     lookahead = min(p.lookahead_m, max(left, LEAST_LOOKAHEAD_M))
-    steer = los_course(s.course, across, lookahead)
+    steer = ilos_course(s.course, across, 0.0, p.drift_gain_mps, lookahead)
     wx = speed * math.cos(steer) - s.drift_x
     wy = speed * math.sin(steer) - s.drift_y
     through = math.sqrt(wx * wx + wy * wy)

@@ -9,7 +9,6 @@ from mjforage.controllers.guidance import (
     ilos_course,
     ilos_integral,
     ilos_rate,
-    los_course,
     stopping_distance,
     stopping_speed,
     striking_speed,
@@ -30,7 +29,7 @@ def test_ilos() -> None:
         0.2 - math.atan(together / 3)
     )
     assert ilos_rate(y_e, y_int, kappa, delta) == pytest.approx(3 * 0.7 / (9 + together**2))
-    assert ilos_course(0.2, y_e, 0.0, kappa, delta) == los_course(0.2, y_e, delta)
+    assert ilos_course(0.2, 3.0, 0.0, kappa, delta) == pytest.approx(0.2 - math.pi / 4.0)
 
 
 @pytest.mark.parametrize("drift", [-0.5, 0.0, 0.3])

@@ -36,7 +36,7 @@ from mjforage.physics.hydrodynamics.parameters import VESSEL, Float64Array, Vess
 from mjforage.physics.hydrodynamics.thruster import thruster_force
 
 
-class State(NamedTuple):
+class MujocoState(NamedTuple):
     """The fields of mjModel and mjData that matter, as views."""
 
     numeric: Float64Array  # (number,) model, see `model_layout`
@@ -53,7 +53,7 @@ class State(NamedTuple):
 
 @kernel
 def _averaged(
-    state: State,
+    state: MujocoState,
     v: int,
     p: VesselParameters,
     around: vessel_motion.Surroundings,
@@ -88,7 +88,7 @@ def _averaged(
 
 @kernel
 def _instant(
-    state: State,
+    state: MujocoState,
     v: int,
     p: VesselParameters,
     around: vessel_motion.Surroundings,
@@ -111,7 +111,7 @@ def _instant(
 
 
 @kernel
-def _vessel(state: State, v: int, p: VesselParameters, averaged: bool) -> None:
+def _vessel(state: MujocoState, v: int, p: VesselParameters, averaged: bool) -> None:
     """Force and rows of M of vessel `v`."""
     userdata, mass, force, row = state.userdata, state.mass, state.force, state.row
     i, at = v * VESSEL_DOFS, v * INPUT_WIDTH
@@ -143,7 +143,7 @@ def _vessel(state: State, v: int, p: VesselParameters, averaged: bool) -> None:
 
 @kernel
 def _items(
-    state: State, classes: Float64Array, first_dof: int, first_input: int, averaged: bool
+    state: MujocoState, classes: Float64Array, first_dof: int, first_input: int, averaged: bool
 ) -> None:
     """Drag of air and water on every item on the water."""
     qvel, userdata, force, mass, row = (
@@ -177,14 +177,14 @@ def _items(
 
 
 @kernel
-def apply(state: State) -> None:
+def apply(state: MujocoState) -> None:
     """Add the forces of all vessels and items to `force` and set their rows of `mass`."""
     numeric, averaged = state.numeric, state.numeric[SCHEME] == AVERAGED
     vessels, items = int(numeric[N_VESSELS]), int(numeric[N_ITEMS])
     table = HEADER + vessels * VESSEL_WIDTH
-    hulls = numeric[HEADER:table].view(VESSEL)
+    parameters = numeric[HEADER:table].view(VESSEL)
     for v in range(vessels):
-        _vessel(state, v, hulls[v], averaged)
+        _vessel(state, v, parameters[v], averaged)
     if items:
         classes = numeric[table : table + int(numeric[N_CLASSES]) * CLASS_WIDTH]
         _items(state, classes, vessels * VESSEL_DOFS, vessels * INPUT_WIDTH, averaged)

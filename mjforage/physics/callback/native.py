@@ -15,7 +15,7 @@ from numba import cfunc, types
 from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
-from mjforage.physics.callback.forces import State, apply
+from mjforage.physics.callback.forces import MujocoState, apply
 from mjforage.physics.callback.model_layout import (
     HEADER,
     ITEM_DOFS,
@@ -79,7 +79,7 @@ def native_callback() -> Any:
         vessels, items = int(numeric[N_VESSELS]), int(numeric[N_ITEMS])
         dofs = vessels * VESSEL_DOFS + items * ITEM_DOFS
         row = carray(_i32(_address(m + o_row)[0]), dofs)
-        state = State(
+        state = MujocoState(
             numeric,
             row,
             carray(_f64(_address(d + o_qpos)[0]), dofs),

@@ -35,13 +35,13 @@ _TOY = f"""
 
 def toy_model() -> mujoco.MjModel:
     """A vessel with linear drag only, so that a push by a current has a known answer."""
-    hull = np.zeros(1, VESSEL)
-    p = hull[0]
+    record = np.zeros(1, VESSEL)
+    p = record[0]
     p.mass, p.inertia_z, p.lag = MASS, INERTIA, 1.0
     p.added_surge, p.added_sway, p.added_yaw = ADDED_SURGE, ADDED_SWAY, ADDED_YAW
     p.linear_surge = p.linear_sway = DRAG
     return mujoco.MjModel.from_xml_string(
-        _TOY.format(parameters=" ".join(repr(float(value)) for value in hull.view(np.float64)))
+        _TOY.format(parameters=" ".join(repr(float(value)) for value in record.view(np.float64)))
     )
 
 

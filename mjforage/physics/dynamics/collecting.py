@@ -17,7 +17,7 @@ from mjforage.base.compiled import inlined, kernel
 from mjforage.controllers.chart import is_land
 from mjforage.mission.dynamics import Transition
 from mjforage.mission.task import IDLE, MISSED, TAKEN, UNREACHABLE
-from mjforage.physics.dynamics.tracks import RADIUS_M, Water
+from mjforage.physics.dynamics.tracks import RADIUS_M, LandGrid
 from mjforage.scenario.capture import BESIDE_M
 
 MOUTH_DEPTH_M = 0.3  # how far behind the bow the mouth reaches, and the item's radius ahead of it
@@ -71,18 +71,18 @@ class Goal(NamedTuple):
 
 
 class Reach(NamedTuple):
-    """Collectors, their sizes and their water."""
+    """Collectors, their sizes and the land around them."""
 
     collects: NDArray[np.bool_]  # (vessel,)
     size: FloatArray  # (vessel, 2) half length, half beam [m]
-    water: Water
+    grid: LandGrid
     narrow: bool  # whether they have cameras that do not see all round
 
 
 @inlined
 def _within(reach: Reach, node_xy: FloatArray, x: float, y: float) -> bool:
     """True if a place lies within the square of a node."""
-    return bool(max(abs(x - node_xy[0]), abs(y - node_xy[1])) <= 0.5 * reach.water.pitch_m)
+    return bool(max(abs(x - node_xy[0]), abs(y - node_xy[1])) <= 0.5 * reach.grid.pitch_m)
 
 
 @inlined
@@ -94,7 +94,7 @@ def _within_reach(
     Across one side only: a corner of the node may be one of land. Not at a quay: there a vessel
     does not come in as the item bears.
     """
-    land, pitch = reach.water.land, reach.water.pitch_m
+    land, pitch = reach.grid.land, reach.grid.pitch_m
     if min(abs(x - node_xy[0]), abs(y - node_xy[1])) > 0.5 * pitch:
         return False
     for side in (-BESIDE_M, BESIDE_M):

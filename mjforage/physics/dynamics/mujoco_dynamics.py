@@ -48,7 +48,7 @@ from mjforage.physics.dynamics.period_monitor import (
     monitor,
 )
 from mjforage.physics.dynamics.sensing import measured_poses
-from mjforage.physics.dynamics.tracks import Tracks, Water, look_out, tracked
+from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid, look_out, tracked
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_models import vessel_model
@@ -102,7 +102,7 @@ class MujocoDynamics:
         self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names))
         self._models = [vessel_model(vessel) for vessel in known_vessels(fleet, self._choice)]
         self._chart = Chart(graph.navigable, graph.pitch_m)
-        self._water = Water(self._chart.land, graph.pitch_m)
+        self._grid = LandGrid(self._chart.land, graph.pitch_m)
         period, latency = scenario.sensors.camera_period_s, scenario.sensors.camera_latency_s
         self._camera = camera_of(
             scenario.sensors,
@@ -112,7 +112,7 @@ class MujocoDynamics:
         self._has_camera = self._intake and scenario.sensors.camera_noise_m > 0.0
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
         narrow = self._has_camera and scenario.sensors.camera_fov_deg < 360.0
-        self._reach = Reach(fleet.collects, self._size, self._water, narrow)
+        self._reach = Reach(fleet.collects, self._size, self._grid, narrow)
         self._monitor_setup = MonitorSetup(
             pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
         )
@@ -142,10 +142,10 @@ class MujocoDynamics:
         self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
         self._attempts = Attempts.of(len(self._fleet), initial.item_node)
         if self._has_camera:
-            tracks = Tracks.of(self._camera, len(self._fleet), initial.item_node)
+            tracks = ItemTracks.of(self._camera, len(self._fleet), initial.item_node)
             self._tracks = tracks
             self._look_out = BoundKernel(
-                look_out, self._camera, self._water, keys, self._fleet.collects, tracks
+                look_out, self._camera, self._grid, keys, self._fleet.collects, tracks
             )
         pose = np.zeros((*initial.agent_node.shape, 3))
         pose[..., :2] = self._centres_xy[initial.agent_node]
@@ -235,7 +235,7 @@ class MujocoDynamics:
         if not self._has_camera:
             return np.broadcast_to(xy[:, None], (len(xy), vessels, *xy.shape[1:]))
         out = np.empty_like(self._tracks.xy)
-        tracked(self._tracks, self._water, self._tick, CONTROL_S, out)
+        tracked(self._tracks, self._grid, self._tick, CONTROL_S, out)
         return out
 
     def _seek(self, active: NDArray[np.bool_], sent: Sent) -> None:

@@ -67,7 +67,7 @@ class Tick(NamedTuple):
 class MonitorSetup(NamedTuple):
     """Vessels and quays, which no tick changes."""
 
-    hulls: VesselArray  # (vessel,)
+    vessels: VesselArray  # (vessel,)
     size: FloatArray  # (vessel, 2) half length, half beam [m]
     framed: Int32Array  # cells in a frame of land, `Water.framed`
     pitch_m: float
@@ -81,7 +81,7 @@ def _note_work(tick: Tick, setup: MonitorSetup, e: int, v: int, work_j: FloatArr
     c, s = math.cos(tick.after.pose[e, v, 2]), math.sin(tick.after.pose[e, v, 2])
     surge = c * (vx - tick.water[e, v, 0]) + s * (vy - tick.water[e, v, 1])
     port, starboard = tick.lagged[e, v, 0], tick.lagged[e, v, 1]
-    work_j[e, v] += setup.tick_s * drawn_power(setup.hulls[v], port, starboard, surge)
+    work_j[e, v] += setup.tick_s * drawn_power(setup.vessels[v], port, starboard, surge)
 
 
 @inlined

@@ -24,14 +24,14 @@ FORGET_S = 20.0  # without a sighting
 RADIUS_M = 0.1  # of an item: no nearer to a quay
 
 
-class Water(NamedTuple):
-    """Land and water for items."""
+class LandGrid(NamedTuple):
+    """Cells of land, of which tracks keep off."""
 
     land: NDArray[np.bool_]  # (column + 2, row + 2) as `controllers.Chart.land`
     pitch_m: float
 
 
-class Tracks(NamedTuple):
+class ItemTracks(NamedTuple):
     """Tracks of every vessel in every episode, with its sightings in the last frames."""
 
     xy: FloatArray  # (episode, vessel, item, 2) at `tick` [m]
@@ -55,9 +55,9 @@ class Tracks(NamedTuple):
 
 
 @kernel
-def afloat(water: Water, x: float, y: float) -> tuple[float, float]:
+def afloat(grid: LandGrid, x: float, y: float) -> tuple[float, float]:
     """The place nearest to (x, y) [m] at which an item lies in water; itself if none is near."""
-    land, pitch = water.land, water.pitch_m
+    land, pitch = grid.land, grid.pitch_m
     if land.size == 0 or is_clear(land, pitch, RADIUS_M, x, y):
         return x, y
     column, row = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
@@ -79,8 +79,8 @@ def afloat(water: Water, x: float, y: float) -> tuple[float, float]:
 
 @kernel
 def note_sighting(
-    tracks: Tracks,
-    water: Water,
+    tracks: ItemTracks,
+    grid: LandGrid,
     at: tuple[int, int, int],
     tick: int,
     elapsed_s: float,
@@ -106,20 +106,20 @@ def note_sighting(
             velocity[1] += speed_gain * off_y
             spread[0], spread[1] = (1.0 - gain) * pp, (1.0 - gain) * pv
             spread[2] = vv - speed_gain * pv
-            place[0], place[1] = afloat(water, x, y)
+            place[0], place[1] = afloat(grid, x, y)
             return
     velocity[:] = 0.0
     spread[0], spread[1], spread[2] = var, 0.0, SPEED_MPS**2
-    place[0], place[1] = afloat(water, x, y)
+    place[0], place[1] = afloat(grid, x, y)
 
 
 @kernel
 def look_out(
     camera: Camera,
-    water: Water,
+    grid: LandGrid,
     keys: UInt64Array,
     collects: NDArray[np.bool_],
-    tracks: Tracks,
+    tracks: ItemTracks,
     active: NDArray[np.bool_],
     tick: NDArray[np.int64],
     step_s: float,
@@ -159,12 +159,12 @@ def look_out(
                 x, y = came[k, 0], came[k, 1]
                 far = math.hypot(x - pose[e, v, 0], y - pose[e, v, 1])
                 elapsed = step_s * (past - tracks.tick[e, v, k])
-                note_sighting(tracks, water, (e, v, k), past, elapsed, x, y, variance(camera, far))
+                note_sighting(tracks, grid, (e, v, k), past, elapsed, x, y, variance(camera, far))
 
 
 @kernel
 def tracked(
-    tracks: Tracks, water: Water, tick: NDArray[np.int64], step_s: float, out: FloatArray
+    tracks: ItemTracks, grid: LandGrid, tick: NDArray[np.int64], step_s: float, out: FloatArray
 ) -> None:
     """Places of items now as vessels know them.
 
@@ -181,4 +181,4 @@ def tracked(
                     continue
                 x = tracks.xy[e, v, k, 0] + t * tracks.velocity[e, v, k, 0]
                 y = tracks.xy[e, v, k, 1] + t * tracks.velocity[e, v, k, 1]
-                out[e, v, k, 0], out[e, v, k, 1] = afloat(water, x, y)
+                out[e, v, k, 0], out[e, v, k, 1] = afloat(grid, x, y)

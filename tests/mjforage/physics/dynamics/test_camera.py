@@ -7,7 +7,7 @@ import pytest
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.physics.dynamics.camera import camera_of, sight_items, variance
-from mjforage.physics.dynamics.tracks import Tracks
+from mjforage.physics.dynamics.tracks import ItemTracks
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario import Sensors
 from tests.mjforage.physics.dynamics.test_mujoco_dynamics import setup_of
@@ -105,4 +105,4 @@ def test_times_that_are_no_multiple_of_a_tick_are_refused(key: str) -> None:
 def test_frames_on_their_way_are_kept_until_they_are_known() -> None:
     items = np.zeros((1, 3), np.int32)
     for period, latency, frames in ((1, 0, 1), (2, 2, 2), (2, 3, 2), (5, 2, 1), (1, 4, 5)):
-        assert len(Tracks.of(camera_of(EXACT, period, latency), 2, items).frames) == frames
+        assert len(ItemTracks.of(camera_of(EXACT, period, latency), 2, items).frames) == frames

@@ -96,7 +96,7 @@ def test_way_and_energy_add_up() -> None:
     seen = PeriodRecord.of((1, 1))
     noted(seen, 50, speed=1.5, lagged=60.0, water=0.5)
     assert seen.travelled_m[0, 0] == pytest.approx(7.5)
-    assert seen.work_j[0, 0] == pytest.approx(5.0 * drawn_power(SETUP.hulls[0], 60.0, 60.0, 1.0))
+    assert seen.work_j[0, 0] == pytest.approx(5.0 * drawn_power(SETUP.vessels[0], 60.0, 60.0, 1.0))
     seen.begin(ON)
     assert seen.travelled_m[0, 0] == 0.0
     assert seen.work_j[0, 0] > 0.0

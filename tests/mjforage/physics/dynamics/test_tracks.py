@@ -9,8 +9,8 @@ from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.tracks import (
     FORGET_S,
     RADIUS_M,
-    Tracks,
-    Water,
+    ItemTracks,
+    LandGrid,
     afloat,
     look_out,
     tracked,
@@ -18,8 +18,8 @@ from mjforage.physics.dynamics.tracks import (
 from mjforage.scenario.scenario import Sensors
 
 STEP_S = 0.1
-OPEN = Water(np.zeros((0, 0), np.bool_), 4.0)
-BASIN = Water(Chart(np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], np.bool_), 4.0).land, 4.0)
+OPEN = LandGrid(np.zeros((0, 0), np.bool_), 4.0)
+BASIN = LandGrid(Chart(np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], np.bool_), 4.0).land, 4.0)
 REAL = Sensors(0.1, 1.0, 0.95, camera_noise_m=0.1)
 EXACT = Sensors(camera_range_noise_per_m=0.0, camera_range_m=1e4)
 COLLECTS = np.array([False, True])
@@ -34,13 +34,13 @@ class Watch:
         way: Way,
         sensors: Sensors = REAL,
         ticks: tuple[int, int] = (2, 2),
-        water: Water = OPEN,
+        water: LandGrid = OPEN,
         episodes: Iterable[int] = (0,),
     ) -> None:
         self.way, self.water, self.camera = way, water, camera_of(sensors, *ticks)
         self.keys = episode_keys(0, np.array(list(episodes)))
         self.node = np.zeros((self.keys.size, 1), np.int32)
-        self.tracks = Tracks.of(self.camera, 2, self.node)
+        self.tracks = ItemTracks.of(self.camera, 2, self.node)
         self.tick = np.full(self.keys.size, -1)
         self.pose = np.zeros((self.keys.size, 2, 3))
 

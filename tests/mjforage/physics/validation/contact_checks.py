@@ -18,7 +18,7 @@ from mjforage.physics.dynamics.period_monitor import (
     Tick,
     monitor,
 )
-from mjforage.physics.dynamics.tracks import Water
+from mjforage.physics.dynamics.tracks import LandGrid
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
@@ -210,7 +210,7 @@ def _taken(places: Float64Array, room: int = 10_000, collects: bool = True) -> N
     c, s = np.cos(yaw), np.sin(yaw)
     xy = places @ np.array([[c, s], [-s, c]]) + (5.0, -3.0)
     size = np.array([[0.5 * forager.length_m, 0.5 * forager.beam_m]])
-    reach = Reach(np.array([collects]), size, Water(np.zeros((0, 0), np.bool_), PITCH_M), False)
+    reach = Reach(np.array([collects]), size, LandGrid(np.zeros((0, 0), np.bool_), PITCH_M), False)
     pose, left = np.array([[[5.0, -3.0, yaw]]]), np.array([[room]], np.int64)
     collect_at_mouth(reach, np.ones(1, np.bool_), pose, xy[None], left, state)
     return np.asarray(state.item_node[0] < 0)
