@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from mjforage.api.names import names
     from mjforage.api.run import Run
     from mjforage.api.scenarios import Map, Scenario, load_scenario
+    from mjforage.api.studies import Study, board, study
+    from mjforage.api.training import train
     from mjforage.api.view import View
     from mjforage.base.errors import UserError
     from mjforage.learning.environments.parallel import ForagingParallelEnv
@@ -38,7 +40,9 @@ _PLACES = {
     "State": "api.missions",
     "UserError": "base.errors",
     "Vessel": "physics.vessels",
+    "Study": "api.studies",
     "View": "api.view",
+    "board": "api.studies",
     "compare": "api.evaluating",
     "evaluate": "api.evaluating",
     "load_run": "api.evaluating",
@@ -46,6 +50,8 @@ _PLACES = {
     "load_vessel": "physics.vessels",
     "make_mission": "api.missions",
     "names": "api.names",
+    "study": "api.studies",
+    "train": "api.training",
 }
 """Public name -> module that has it."""
 
@@ -55,9 +61,11 @@ __all__ = [
     "Run",
     "Scenario",
     "State",
+    "Study",
     "UserError",
     "Vessel",
     "View",
+    "board",
     "compare",
     "evaluate",
     "load_run",
@@ -66,6 +74,8 @@ __all__ = [
     "make_mission",
     "names",
     "parallel_env",
+    "study",
+    "train",
 ]
 
 

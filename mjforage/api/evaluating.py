@@ -74,9 +74,9 @@ def evaluate(
     >>> run.episodes.height
     4
     """
-    _check_whole(episodes=episodes, seed=seed, jobs=jobs)
-    _check_kinds(folder, resume, progress)
-    worlds = _worlds(world)
+    check_whole(episodes=episodes, seed=seed, jobs=jobs)
+    check_kinds(folder, resume, progress)
+    worlds = worlds_of(world)
     names = player_names(policies)
     setup = scenario_of(scenario, changes)
     temporary = Path(tempfile.mkdtemp(prefix="mjforage-")) if folder is None else None
@@ -156,20 +156,22 @@ def load_run(folder: Named, *, policies: object = ()) -> Run:
     >>> mf.load_run("runs/first")
     Run(open-bay, graph, greedy, 1 episode, seed 0)
     """
-    _check_kinds(folder)
+    check_kinds(folder)
     if policies:
         player_names(policies)
     return Run(Path(folder))
 
 
-def _worlds(world: object) -> tuple[str, ...]:
+def worlds_of(world: object) -> tuple[str, ...]:
+    """Names of worlds, of one or several; raises `UserError` for anything else."""
     several = (world,) if isinstance(world, str) else world
     if not isinstance(several, Sequence) or not several:
         raise UserError(f"world {world!r}: give one of {', '.join(WORLDS)}, or several in a list")
     return tuple(str(one) for one in several)
 
 
-def _check_kinds(folder: object, resume: object = "same", progress: object = None) -> None:
+def check_kinds(folder: object, resume: object = "same", progress: object = None) -> None:
+    """Refuse options of a wrong kind; raises `TypeError` or `UserError`."""
     if folder is not None and not isinstance(folder, str | os.PathLike):
         raise TypeError(f"folder is {type(folder).__name__}; give a path")
     if resume not in get_args(Resume):
@@ -178,7 +180,8 @@ def _check_kinds(folder: object, resume: object = "same", progress: object = Non
         raise TypeError(f"progress is {type(progress).__name__}; give True, False or a function")
 
 
-def _check_whole(**numbers: object) -> None:
+def check_whole(**numbers: object) -> None:
+    """Refuse what is no whole number; raises `TypeError`."""
     for name, value in numbers.items():
         if isinstance(value, bool) or not hasattr(value, "__index__"):
             raise TypeError(f"{name} is {type(value).__name__}; give a whole number")

@@ -1,0 +1,117 @@
+"""`train`: a policy learned from a scenario, as weights."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from mjforage.api.evaluating import check_kinds, check_whole
+from mjforage.api.scenarios import Named, scenario_of
+from mjforage.base.atomic_files import write_errors
+from mjforage.base.errors import UserError
+from mjforage.base.extras import require
+from mjforage.mission.setup import Setup
+from mjforage.runs.resuming import Resume
+from mjforage.scenario.harbours import is_harbour
+from mjforage.scenario.map_files import is_shipped_map, write_table
+from mjforage.scenario.scenario import Scenario as Settings
+
+
+def train(
+    algorithm: str,
+    scenario: Setup | Named,
+    *,
+    folder: Named,
+    updates: int | None = None,
+    hours: float | None = None,
+    seed: int = 0,
+    settings: Mapping[str, Any] | None = None,
+    also: "Sequence[Setup | Settings | Named]" = (),
+    evaluate: "Sequence[Setup | Settings | Named]" = (),
+    device: str = "auto",
+    resume: Resume = "same",
+    report: Callable[[str, Mapping[str, Any]], None] = lambda table, row: None,
+    **changes: Any,
+) -> Path:
+    """Train a policy; the same call resumes a training that was stopped.
+
+    Parameters
+    ----------
+    algorithm : ddqn, mappo, a name that an installed package brings, or ``package.module:Class``
+    scenario, changes : as of `evaluate`
+    folder : of the training: logs, checkpoint, weights
+    updates, hours : where to stop; at least one
+    seed : 0 to 2**64 - 1
+    settings : learning hyperparameters by name, such as ``{"num_envs": 32, "reward.removed": 2}``
+    also : scenarios that rounds take in turn with the first
+    evaluate : scenarios of the evaluations; none: the first
+    device : auto, cpu or cuda
+    resume : as of `evaluate`
+    report : called with the name of a table and every row that is logged
+
+    Returns
+    -------
+    Path
+        The weights of the best evaluation, which `evaluate` plays; the latest before the first.
+
+    Raises
+    ------
+    UserError
+        For names, values and files that cannot be used, or without the extra ``learn``.
+
+    Examples
+    --------
+    >>> import mjforage as mf
+    >>> tiny = {"num_envs": 2, "capacity": 1000, "batch": 4, "warmup": 4, "evaluate_episodes": 1}
+    >>> mf.train("ddqn", "open-bay", horizon=4, updates=1, settings=tiny, folder="learned").suffix
+    '.safetensors'
+    """
+    require(f"train {algorithm}", "torch", "tensorboard")
+    from mjforage.learning.training.algorithms import find_algorithm
+    from mjforage.learning.training.hyperparameters import changed
+    from mjforage.learning.training.run import train_with
+
+    check_whole(seed=seed)
+    check_kinds(folder, resume)
+    if updates is None and hours is None:
+        raise UserError("train: give updates or hours, where it is to stop")
+    made = find_algorithm(algorithm)
+    given = dict(settings or {})
+    if given.get("teacher") and not hasattr(made.settings, "teacher"):
+        raise UserError(
+            f"teacher {given['teacher']}: {algorithm} takes none; leave it out, or give its "
+            "settings the fields teacher and teacher_updates"
+        )
+    target = Path(folder)
+    train_with(
+        made,
+        _on_file(scenario_of(scenario, changes), target),
+        changed(made.settings(), given),
+        target,
+        also=[_settings(one) for one in also],
+        evaluate=[_settings(one) for one in evaluate],
+        seed=seed,
+        hours=hours,
+        updates=updates,
+        device=device,
+        report=report,
+        resume=resume,
+    )
+    best = target / "best.safetensors"
+    return best if best.is_file() else target / "weights.safetensors"
+
+
+def _on_file(setup: Setup, folder: Path) -> Settings:
+    """The scenario, its map in a file: beside the training's folder if it came as an array."""
+    choice = setup.scenario.map
+    if is_shipped_map(choice.file) or is_harbour(choice.file) or Path(choice.file).is_file():
+        return setup.scenario
+    file = folder.with_name(f"{folder.name}.map.csv")
+    with write_errors(file):
+        file.parent.mkdir(parents=True, exist_ok=True)
+    write_table(setup.grid.navigable, file)
+    return replace(setup.scenario, map=replace(choice, file=str(file), water="light"))
+
+
+def _settings(given: Setup | Settings | Named) -> Settings:
+    return given if isinstance(given, Settings) else scenario_of(given, {}).scenario
