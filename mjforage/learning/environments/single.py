@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from mjforage.graph_planner.encodings.encoder import Levels
 from mjforage.learning.environments.checks import RENDER_MODES, checked_started
-from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.core import EnvironmentCore, Episodes, Outcome
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
@@ -16,7 +15,7 @@ ONLY = np.zeros(1, np.int64)  # number of the one sub-environment
 METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
 
 
-class SingleEnvironment(Copied):
+class SingleEnvironment:
     """Base of an environment; its options are those of `EnvironmentOptions`.
 
     Raises `UserError` if an option is not valid.

@@ -18,7 +18,6 @@ from mjforage.learning.environments.checks import (
     checked_seed,
     checked_started,
 )
-from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.core import EnvironmentCore, Episodes
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
@@ -26,7 +25,7 @@ from mjforage.learning.environments.single import METADATA
 from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space, shown, values
 
 
-class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
+class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
     """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
     One batched mission of the graph world plays all sub-environments; in other worlds Gymnasium

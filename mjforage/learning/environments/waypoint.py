@@ -20,7 +20,6 @@ from mjforage.learning.environments.checks import (
     checked_thrusts,
 )
 from mjforage.learning.environments.choices import check_known
-from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.rewards import checked_names
 from mjforage.learning.environments.waypoint_track import TICK_S, WaypointTrack
 from mjforage.physics.run_warnings import vessel_warnings
@@ -46,7 +45,7 @@ SCALES = np.array(
 Numbers = NDArray[np.float32]
 
 
-class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
+class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
     """One vessel in MuJoCo on open water; a step is 0.5 s of constant commands.
 
     **Action** `Box(-1, 1, (2,))` float32: port and starboard, -1 full astern, 1 full ahead; cut off
