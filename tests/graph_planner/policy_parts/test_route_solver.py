@@ -109,6 +109,6 @@ def test_without_or_tools_one_line_says_what_to_install(monkeypatch: pytest.Monk
     for name in [name for name in sys.modules if name.partition(".")[0] == "ortools"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "ortools", None)
-    with pytest.raises(UserError, match=r"pip install 'mjforage\[orienteering\]'") as told:
+    with pytest.raises(UserError, match=r"pip install 'mjforage\[orienteering\]'") as refused:
         create_policy("orienteering")
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(refused.value)

@@ -201,8 +201,8 @@ def _text(run: Path) -> str:
 
 def trained(folder: Path, updates: int = 1, **options: Any) -> Any:
     scenario = load_scenario("comb-port", ("horizon=6",))
-    told = changed(Hyperparameters(), TINY)
-    return train(scenario, told, folder, updates=updates, device="cpu", **options)
+    settings = changed(Hyperparameters(), TINY)
+    return train(scenario, settings, folder, updates=updates, device="cpu", **options)
 
 
 def test_training_takes_them_and_minds_their_source(folder: Path) -> None:

@@ -118,14 +118,14 @@ def test_sub_environments_are_single_environments_to_the_bit(
         for i in restarted:
             assert rewards[i] == 0.0 and not over[i]
         for i in {*range(num_envs)} - {*restarted}:
-            *seen, reward, ended, late, told = singles[i].step(actions[i])
+            *seen, reward, ended, late, infos = singles[i].step(actions[i])
             assert (reward, ended, late) == (rewards[i], terminated[i], truncated[i])
             last = together, i, info
             if over[i] and mode is AutoresetMode.SAME_STEP:
                 assert info["_final_obs"][i] and info["_final_info"][i]
                 last = info["final_obs"], i, info["final_info"]
                 restarted.append(i)
-            assert shown_of(seen[0], told) == of_env(*last)
+            assert shown_of(seen[0], infos) == of_env(*last)
             ends += bool(over[i])
         again = [mode is AutoresetMode.NEXT_STEP and bool(one) for one in over]
         if mode is AutoresetMode.DISABLED and over.any():
@@ -143,14 +143,14 @@ def shown_of(observation: Any, info: dict[str, Any]) -> tuple[bytes, dict[str, f
 
 
 def of_env(together: Any, i: int, info: dict[str, Any]) -> tuple[bytes, dict[str, float]]:
-    """The same of one of a batch, of what its info is told of."""
+    """The same of one of a batch, as its info has it."""
     own = [name for name in info if f"_{name}" in info and not name.startswith("final_")]
-    told = {name: float(info[name][i]) for name in own if info[f"_{name}"][i]}
+    infos = {name: float(info[name][i]) for name in own if info[f"_{name}"][i]}
     if isinstance(together, dict):
         together = {name: each[i] for name, each in together.items()}
     else:
         together = together[i]
-    return flat(together), told
+    return flat(together), infos
 
 
 PLACES = [

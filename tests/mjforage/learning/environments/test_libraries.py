@@ -113,8 +113,8 @@ def test_stable_baselines_trains(make: Callable[..., Any]) -> None:
 def test_sb3_contrib_trains_with_masks() -> None:
     contrib = pytest.importorskip("sb3_contrib")
     env: Any = gymnasium.make(SHARED, **TOLD)
-    told: dict[str, Any] = {"n_steps": 8, "batch_size": 8, "n_epochs": 1, "device": "cpu"}
-    model = contrib.MaskablePPO("MultiInputPolicy", env, seed=0, **told)
+    options: dict[str, Any] = {"n_steps": 8, "batch_size": 8, "n_epochs": 1, "device": "cpu"}
+    model = contrib.MaskablePPO("MultiInputPolicy", env, seed=0, **options)
     before = kept(model.policy)
     model.learn(8 * UPDATES)
     assert model._n_updates == UPDATES and moved(before, model.policy)

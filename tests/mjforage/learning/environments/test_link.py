@@ -1,4 +1,4 @@
-"""Environments over a link: every agent sees what it has seen and heard itself."""
+"""Environments over a link: every agent sees what it has scanned and received itself."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -73,10 +73,10 @@ class Played:
     def note(self, seen: Any, infos: Any) -> None:
         self.masks.append({a: one.pop("action_mask") for a, one in seen.items()})
         self.shown.append(seen)
-        told = ("pta_d", "pta_c")
+        scores = ("pta_d", "pta_c")
         self.steps.append(
             {
-                a: {k: v for k, v in i.items() if k not in told and "/" not in k}
+                a: {k: v for k, v in i.items() if k not in scores and "/" not in k}
                 for a, i in infos.items()
             }
         )
@@ -98,8 +98,8 @@ def play(moves: list[NDArray[np.int8]] | None = None, seed: int = 5) -> Played:
     return one
 
 
-def told_of(one: Played, holder: int) -> NDArray[np.bool_]:
-    """(item,) which items any look that an agent has heard shows, or says to have been taken."""
+def reported_to(one: Played, holder: int) -> NDArray[np.bool_]:
+    """(item,) Which items any scan that an agent has received shows, or reports as removed."""
     mission: Mission = one.env.core.mission
     net: Any = mission.exchange
     received_at, log, entries = (
@@ -107,25 +107,25 @@ def told_of(one: Played, holder: int) -> NDArray[np.bool_]:
         net.net.log,
         mission.ledger,
     )
-    told = np.zeros(one.item_node[0].size, np.bool_)
+    reported = np.zeros(one.item_node[0].size, np.bool_)
     for agent, step in np.argwhere((received_at >= 0) & (received_at <= 50)):
         radius = int(mission.task.radius_number[agent])
-        told |= np.isin(
+        reported |= np.isin(
             one.item_node[step], mission.task.views.of(log.node[0, step, agent], radius)
         )
-        told |= (entries.collected_by[0] == agent) & (entries.t_collected[0] <= step)
-    return told
+        reported |= (entries.collected_by[0] == agent) & (entries.t_collected[0] <= step)
+    return reported
 
 
-def test_what_an_agent_has_not_heard_of_changes_nothing_for_it(
+def test_what_an_agent_has_not_received_changes_nothing_for_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Items outside the looks that it has heard are taken out of the world: it cannot tell."""
+    """Items outside the scans that it has received are removed from the world; it sees the same."""
     real, whole = Setup.create_initial_state, play()
     noticed = 0
     for holder, name in enumerate(whole.env.possible_agents):
-        told = told_of(whole, holder)
-        gone = np.flatnonzero(~told)[1:]  # one stays, or the episode is over
+        reported = reported_to(whole, holder)
+        gone = np.flatnonzero(~reported)[1:]  # one stays, or the episode is over
 
         def without(setup: Setup, keys: Any, gone: NDArray[np.intp] = gone) -> InitialState:
             initial = real(setup, keys)

@@ -73,8 +73,8 @@ def test_what_a_hull_does_not_feel_and_that_it_hunts_is_told_once(
             for hull in (bare, light, stiff, "scout"):
                 gymnasium.make("mjforage/Waypoint-v0", vessel=hull, wind_mps=12)
         gymnasium.make("mjforage/Waypoint-v0", vessel=bare, wind_mps=0)
-    told = [line for line in caplog.messages if line.startswith("vessel ")]
-    windless, hunting, steep = told
+    warnings = [line for line in caplog.messages if line.startswith("vessel ")]
+    windless, hunting, steep = warnings
     assert windless == (
         "vessel bare_one: has no [windage] and does not feel the wind of up to 12 m/s"
     )

@@ -96,7 +96,7 @@ def test_every_argument_of_train_is_of_the_training_or_free(
         "folder": "where it is",
         "hours": "where it stops",
         "updates": "where it stops",
-        "report": "is told",
+        "report": "receives rows",
         "resume": "what to do with another training",
     }
     assert asked.keys() | free.keys() == inspect.signature(train_with).parameters.keys()
