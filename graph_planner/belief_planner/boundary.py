@@ -70,7 +70,7 @@ def boundary_of(graph: NavigationGraph, walls: str = "clip") -> Boundary:
 
 
 @inlined
-def held(boundary: Boundary, node: int, axis: int) -> bool:
+def at_boundary(boundary: Boundary, node: int, axis: int) -> bool:
     """True if a quay beside a node may hold up items that drift along it, as all but clip do.
 
     Items at the edge of the map are clipped to it, whatever the rule, and drift along it freely.

@@ -120,10 +120,10 @@ def look(spots: Hotspots, e: int, nodes: Int32Array, factor: NDArray[np.float32]
 @kernel
 def believed(spots: Hotspots, e: int) -> int:
     """Number of hotspots: as many as assumed, or else one more than have shown."""
-    shown = spots.assumed
-    while shown < spots.sighted.shape[1] and spots.sighted[e, shown] >= REFUTING:
-        shown += 1
-    return shown if shown == spots.assumed else min(shown + 1, spots.sighted.shape[1])
+    confirmed = spots.assumed
+    while confirmed < spots.sighted.shape[1] and spots.sighted[e, confirmed] >= REFUTING:
+        confirmed += 1
+    return confirmed if confirmed == spots.assumed else min(confirmed + 1, spots.sighted.shape[1])
 
 
 @kernel

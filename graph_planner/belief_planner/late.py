@@ -43,7 +43,7 @@ def glance(nodes: int) -> Glance:
 def show(
     step: int,
     nodes: Int32Array,
-    shown: NDArray[np.int16],
+    items_seen: NDArray[np.int16],
     radius: NDArray[np.int64],
     views: NodeLists,
     glance: Glance,
@@ -53,14 +53,14 @@ def show(
     Parameters
     ----------
     nodes : (look,) where each was made
-    shown : (look, place) items in the nodes in view, in the order of their list
+    items_seen : (look, place) items in the nodes in view, in the order of their list
     radius : (look,) which list of `views`
     """
     glance.last_seen[:] = NEVER
     for k in range(nodes.size):
         first = views.start[radius[k], nodes[k]]
         for i in range(first, views.start[radius[k], nodes[k] + 1]):
-            node, items = views.nodes[i], shown[k, i - first]
+            node, items = views.nodes[i], items_seen[k, i - first]
             if items < 0:
                 continue
             known = glance.last_seen[node] == step
@@ -151,13 +151,13 @@ def doubt(
 
     They are items that were known already, or are gone; they count as lost.
     """
-    kept = new
+    count = new
     for i in range(tracks.number[e] - 1, tracks.number[e] - 1 - new, -1):
         if _is_out(history, boundary, e, tracks.row[e, i], tracks.col[e, i], drift, step, now):
             lose(tracks, e, i, lost)
             drop(tracks, boundary, e, i, ways)
-            kept -= 1
-    return kept
+            count -= 1
+    return count
 
 
 @kernel

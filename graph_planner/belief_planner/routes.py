@@ -170,15 +170,15 @@ def _choose(
     way: NDArray[np.float64],
     arrival: NDArray[np.float64],
     lasts: float,
-    chosen: NDArray[np.int64],
+    candidates: NDArray[np.int64],
 ) -> int:
-    """Fill `chosen` with the best stops that are open and within reach; their number."""
+    """Fill `candidates` with the best stops that are open and within reach; their number."""
     number = 0
     for j in ranked:
         if weight[j] > 0.0 and way[j] < FAR and arrival[j] <= lasts:
-            chosen[number] = j
+            candidates[number] = j
             number += 1
-            if number == chosen.size:
+            if number == candidates.size:
                 break
     return number
 
@@ -211,11 +211,11 @@ def _rest(
 
 @inlined
 def _has_twin(
-    names: NDArray[np.uint64], cost: NDArray[np.float64], kept: int, name: np.uint64, price: float
+    names: NDArray[np.uint64], cost: NDArray[np.float64], count: int, name: np.uint64, price: float
 ) -> bool:
     """True if a step to the same state is kept that is no dearer."""
     found = False
-    for slot in range(kept):
+    for slot in range(count):
         if names[slot] == name and cost[slot] <= price:
             found = True
             break
@@ -229,7 +229,7 @@ def _grow(
     number: int,
     outlook: Outlook,
     ranking: Ranking,
-    chosen: NDArray[np.int64],
+    candidates: NDArray[np.int64],
     steps: Steps,
 ) -> tuple[int, bool]:
     """Try what can be done next in every state, and keep the best steps.
@@ -241,7 +241,7 @@ def _grow(
     weight, arrival, others = outlook.weight, outlook.arrival, outlook.others
     order, cost, names, lasts = steps.order, steps.cost, steps.name, legs.lasts
     parents, whos, goals, frees = steps.parent, steps.who, steps.stop, steps.free
-    kept, goes_on, everything = 0, False, ~np.uint64(0) >> np.uint64(64 - worth.size)
+    count, goes_on, everything = 0, False, ~np.uint64(0) >> np.uint64(64 - worth.size)
     for s in range(number):
         f, stops = _first_free(clock, s), 0
         complete = clock[s, f] >= FAR or visited[s] == everything
@@ -251,29 +251,29 @@ def _grow(
             _see(worth, visited[s], way, clock[s, f], outlook)
             place = f if here < 0 else kind.size + kind[f] * worth.size + here
             ranked = _rank(ranking, place, way, worth)
-            stops = _choose(ranked, weight, way, arrival, lasts[f], chosen)
+            stops = _choose(ranked, weight, way, arrival, lasts[f], candidates)
             for g in range(clock.shape[1]):
                 if g != f and clock[s, g] < FAR:
                     way = first[g] if at[s, g] < 0 else between[kind[g], at[s, g]]
                     _see_another(way, clock[s, g], lasts[g], others)
         goes_on = goes_on or not complete
-        held = states.mark[s]  # the marks of those who stay where they are
+        others_mark = states.mark[s]  # the marks of those who stay where they are
         if not complete and at[s, f] >= 0:
-            held -= _mark(at[s, f], kind[f])
+            others_mark -= _mark(at[s, f], kind[f])
         for c in range(stops + (1 if complete or stops == 0 or clock.shape[1] > 1 else 0)):
             j, free, paid, met, who = NOWHERE, FAR, states.paid[s], visited[s], f
-            mark, weight_there = held + _RETIRED, 0.0
+            mark, weight_there = others_mark + _RETIRED, 0.0
             if complete:
-                who, mark = NOBODY, held
+                who, mark = NOBODY, others_mark
             elif c < stops:
-                j = chosen[c]
-                weight_there, taken = weight[j], min(weight[j], room[s, f])
-                paid += taken * arrival[j]
-                paid += (weight_there - taken) * others[j]
+                j = candidates[c]
+                weight_there, amount = weight[j], min(weight[j], room[s, f])
+                paid += amount * arrival[j]
+                paid += (weight_there - amount) * others[j]
                 free = arrival[j] if room[s, f] > weight_there else FAR
                 met |= _ONE << np.uint64(j)
-                mark = held + _mark(j, kind[f])
-            name, enough = mark + met * _ODD, limit(order, cost, kept)
+                mark = others_mark + _mark(j, kind[f])
+            name, enough = mark + met * _ODD, limit(order, cost, count)
             price = states.cost[s]
             if not complete:
                 way_on = between[kind[f], max(j, 0)]
@@ -282,21 +282,21 @@ def _grow(
                 if price < enough:
                     price = _rest(weight, others, free, way_on, paid)
                 weight[max(j, 0)] += weight_there
-            if price < enough and not _has_twin(names, cost, kept, name, price):
-                slot = free_slot(order, kept)
+            if price < enough and not _has_twin(names, cost, count, name, price):
+                slot = free_slot(order, count)
                 cost[slot], names[slot] = price, name
                 parents[slot], whos[slot], goals[slot] = s, who, j
                 frees[slot], steps.paid[slot] = free, paid
-                kept = insert(order, cost, kept, slot)
-    return kept, goes_on
+                count = insert(order, cost, count, slot)
+    return count, goes_on
 
 
 @kernel
-def _follow(legs: Legs, states: States, steps: Steps, kept: int, after: States) -> None:
+def _follow(legs: Legs, states: States, steps: Steps, count: int, after: States) -> None:
     """Make the next generation `after` from the states and the steps kept."""
     clock, room, at, begun = after.clock, after.room, after.at, after.begun
     visited, parent, who, goal = after.visited, steps.parent, steps.who, steps.stop
-    for i in range(kept):
+    for i in range(count):
         slot = steps.order[i]
         s, f, j = parent[slot], who[slot], goal[slot]
         for g in range(clock.shape[1]):
@@ -342,16 +342,16 @@ def search_routes(legs: Legs, beam: int, choices: int, depth: int) -> NDArray[np
     if n == 0 or foragers == 0:
         return np.full(foragers, NOWHERE, np.int64)
     states, after, number = _states(beam, legs.room), _states(beam, legs.room), 1
-    steps, chosen = _steps(beam), np.empty(choices, np.int64)
+    steps, candidates = _steps(beam), np.empty(choices, np.int64)
     outlook = Outlook(np.zeros(n), np.zeros(n), np.zeros(n))
     places = foragers + legs.between.shape[0] * n
     ranking = Ranking(np.zeros(places, np.bool_), np.zeros((places, n), np.int64))
     for _ in range(min(depth, n + foragers)):
-        kept, goes_on = _grow(legs, states, number, outlook, ranking, chosen, steps)
+        count, goes_on = _grow(legs, states, number, outlook, ranking, candidates, steps)
         if not goes_on:
             break
-        _follow(legs, states, steps, kept, after)
-        number = kept
+        _follow(legs, states, steps, count, after)
+        number = count
         states, after = after, states
         if _begin_alike(states, number):
             break

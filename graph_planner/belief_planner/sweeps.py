@@ -81,7 +81,7 @@ class Trail(NamedTuple):
 
     node: Int32Array  # (decision + 1, slot) where it was then
     parent: NDArray[np.int64]  # (decision + 1, slot) its slot one decision before
-    shown: NDArray[np.int64]  # (decision + 1, slot) see `_in_view`
+    in_view: NDArray[np.int64]  # (decision + 1, slot) see `_in_view`
 
 
 class Marks(NamedTuple):
@@ -133,7 +133,7 @@ def _stamp_seen(
     """Stamp the cells that a plan of `k` decisions has seen on its way: see `Trail`, `Sight`."""
     start, cells, fresh_start, fresh = cover.start, cover.cells, cover.fresh_start, cover.fresh
     for level in range(k, 0, -1):
-        v = trail.shown[level, slot]
+        v = trail.in_view[level, slot]
         if v < 0:
             for i in range(start[~v], start[~v + 1]):
                 stamp[cells[i]] = token
@@ -177,11 +177,11 @@ def _rest(
 
 @inlined
 def _has_twin(
-    node: Int32Array, k: int, cost: NDArray[np.float64], kept: int, end: int, price: float
+    node: Int32Array, k: int, cost: NDArray[np.float64], count: int, end: int, price: float
 ) -> bool:
     """True if a plan of `k` decisions is kept that ends in the same node at the same cost."""
     found = False
-    for slot in range(kept):
+    for slot in range(count):
         if node[k, slot] == end and abs(cost[slot] - price) <= 1e-9 * price:
             found = True
             break
@@ -202,7 +202,7 @@ def _prolong(
     decisions, ends, mass = search.cover.decisions, search.ends, search.mass
     late, token, stamp = search.late, search.sight.token, search.sight.stamp
     node, parent, rest = search.trail.node, search.trail.parent, search.rest
-    left, order, cost, kept = plans.left, longer.order, longer.cost, 0
+    left, order, cost, count = plans.left, longer.order, longer.cost, 0
     for s in plans.order[:number]:
         token[0] += 1
         _stamp_seen(cover, trail, k - 1, s, token[0], stamp)
@@ -212,25 +212,25 @@ def _prolong(
                 continue
             for i in range(marks.size):
                 rest[i] = left[s, i]
-            got, shown = 0.0, _in_view(k, node[k - 1, s], end, move)
-            place = end if k == 1 else shown
+            got, in_view = 0.0, _in_view(k, node[k - 1, s], end, move)
+            place = end if k == 1 else in_view
             for i in range(start[place], start[place + 1]):
                 cell = cells[i]
                 if mass[cell] > 0.0 and stamp[cell] != token[0]:
                     got += mass[cell]
                     rest[place_of[landmark[cell]]] -= mass[cell]
-            paid, enough = plans.paid[s] + got * late[k], limit(order, cost, kept)
+            paid, enough = plans.paid[s] + got * late[k], limit(order, cost, count)
             price = _rest(k, decisions[end], marks, rest, elsewhere, late, paid)
             if k == 1:
                 first[move] = -price
-            if price >= enough or _has_twin(node, k, cost, kept, end, price):
+            if price >= enough or _has_twin(node, k, cost, count, end, price):
                 continue
-            slot = free_slot(order, kept)
+            slot = free_slot(order, count)
             cost[slot], longer.paid[slot], longer.left[slot] = price, paid, rest
             longer.begun[slot] = plans.begun[s] if k > 1 else move
-            node[k, slot], parent[k, slot], trail.shown[k, slot] = end, s, shown
-            kept = insert(order, cost, kept, slot)
-    return kept
+            node[k, slot], parent[k, slot], trail.in_view[k, slot] = end, s, in_view
+            count = insert(order, cost, count, slot)
+    return count
 
 
 @kernel
@@ -285,10 +285,10 @@ def search_sweep(
     preferences[:] = -np.inf
     number, length = 1, 0
     for k in range(1, depth + 1):
-        kept = _prolong(search, plans, number, k, longer, preferences)
-        if kept == 0:
+        count = _prolong(search, plans, number, k, longer, preferences)
+        if count == 0:
             break
-        number, length = kept, k
+        number, length = count, k
         plans, longer = longer, plans
         if not whole and _begin_alike(plans, number):
             break

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.graph_planner.belief_planner.boundary import Boundary, drifted, held
+from mjforage.graph_planner.belief_planner.boundary import Boundary, at_boundary, drifted
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.walls import INSET
 
@@ -148,7 +148,7 @@ def _same_walls(boundary: Boundary, start: int, node: int, axis: int) -> bool:
         else (boundary.cols[node] - boundary.cols[start])
     )
     before, now = boundary.room[start, axis], boundary.room[node, axis]
-    alike = held(boundary, start, axis) == held(boundary, node, axis)
+    alike = at_boundary(boundary, start, axis) == at_boundary(boundary, node, axis)
     return bool((now[0] - shift == before[0]) & (now[1] + shift == before[1]) & alike)
 
 

@@ -30,7 +30,7 @@ class Ways(NamedTuple):
     ends: Int32Array  # (node, 9) where a move ends, -1 illegal
     before_start: NDArray[np.int64]  # (node + 1,) the moves that end in a node come from
     before: Int32Array  # (move,) `before[before_start[v]:before_start[v + 1]]`
-    kept: RowCache  # rows of targets
+    cache: RowCache  # rows of targets
     decisions: UInt16Array  # (row, node) decisions from a node to the row's target
 
 
@@ -116,7 +116,7 @@ def row_to(ways: Ways, node: int) -> int:
 
     Asking for another may overwrite it.
     """
-    row, missing = row_of(ways.kept, node)
+    row, missing = row_of(ways.cache, node)
     if missing:
         goal = np.empty(1, np.int32)
         goal[0] = node
@@ -141,7 +141,7 @@ def ways_of(graph: NavigationGraph, moves: int, stay: bool, shorten: bool) -> Wa
         ends=ends,
         before_start=start,
         before=before,
-        kept=RowCache.of(n, rows),
+        cache=RowCache.of(n, rows),
         decisions=np.empty((rows, n), np.uint16),
     )
 

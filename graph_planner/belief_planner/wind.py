@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.boundary import Boundary, held
+from mjforage.graph_planner.belief_planner.boundary import Boundary, at_boundary
 from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.tracks import Ended, Tracks
 
@@ -85,7 +85,7 @@ def log_likelihood(
 def settle(wind: Wind, boundary: Boundary, e: int, ways: Ended) -> None:
     """Store the evidence of ended tracks for good, and empty the list."""
     for i in range(ways.number[0]):
-        if held(boundary, ways.start[i], ways.axis[i]):
+        if at_boundary(boundary, ways.start[i], ways.axis[i]):
             continue
         axis, room = ways.axis[i], boundary.room[ways.start[i], ways.axis[i]]
         log_likelihood(
@@ -110,7 +110,7 @@ def estimate(wind: Wind, tracks: Tracks, boundary: Boundary, e: int) -> None:
         for i in range(tracks.number[e]):
             start = tracks.base_node[e, i, axis]
             steps = float(tracks.seen[e, i] - tracks.base[e, i, axis])
-            if steps < 1.0 or held(boundary, start, axis):
+            if steps < 1.0 or at_boundary(boundary, start, axis):
                 continue
             shift = float(places[tracks.seen_node[e, i]] - places[start])
             room = boundary.room[start, axis]

@@ -44,13 +44,13 @@ def plans_of(agents: int, candidates: int, longest: int) -> Plans:
 @kernel
 def drawn_plan(plans: Plans, agent: int, draw: float) -> int:
     """Number of a candidate, by a draw in [0, 1); -1 if there is none."""
-    chosen = NONE
+    plan = NONE
     for c in range(plans.number[agent]):
-        chosen = c
+        plan = c
         draw -= plans.chance[agent, c]
         if draw < 0.0:
             break
-    return chosen
+    return plan
 
 
 @kernel

@@ -37,10 +37,10 @@ def _most_in_view(scouts: Scouts, kind: int) -> float:
     cover, most = scouts.covers[kind], 0.0
     start, cells = cover.start, cover.cells
     for node in range(start.size - 1):
-        shown = 0.0
+        visible = 0.0
         for k in range(start[node], start[node + 1]):
-            shown += scouts.mass[cells[k]]
-        most = max(most, shown)
+            visible += scouts.mass[cells[k]]
+        most = max(most, visible)
     return most
 
 

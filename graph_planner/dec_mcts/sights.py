@@ -163,7 +163,7 @@ def sweep_value(
 @kernel
 def _drawn_mark(cover: Cover, end: int, sights: Sights, state: UInt64Array) -> int:
     """A landmark to head for, drawn by the mass left there and how soon; -1 if none is left."""
-    best, chosen, decisions, fade = 0.0, NONE, cover.decisions, sights.fade
+    best, target, decisions, fade = 0.0, NONE, cover.decisions, sights.fade
     rest, elsewhere = sights.rest, sights.elsewhere
     for mark in range(rest.size):
         if decisions[end, mark] == UNREACHED or rest[mark] <= SEEN:
@@ -171,8 +171,8 @@ def _drawn_mark(cover: Cover, end: int, sights: Sights, state: UInt64Array) -> i
         worth = faded(fade, int(decisions[end, mark])) - elsewhere[mark]
         pull = rest[mark] * max(1e-6, worth) * draw(state)
         if pull > best:
-            best, chosen = pull, mark
-    return chosen
+            best, target = pull, mark
+    return target
 
 
 @kernel
@@ -188,7 +188,7 @@ def _next_move(
     state: UInt64Array,
 ) -> int:
     """The move that a rollout makes: about the one that shows most, or that nears its landmark."""
-    cover, best, chosen = scouts.covers[kind], -np.inf, NONE
+    cover, best, best_move = scouts.covers[kind], -np.inf, NONE
     ends, decisions, roam = scouts.ends[kind, end], cover.decisions, effort.roam
     for move in range(9):
         target = ends[move]
@@ -199,8 +199,8 @@ def _next_move(
         if mark != NONE:
             score -= PULL * float(decisions[target, mark])
         if score > best:
-            best, chosen = score, move
-    return chosen
+            best, best_move = score, move
+    return best_move
 
 
 @kernel

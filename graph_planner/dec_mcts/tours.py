@@ -94,8 +94,8 @@ def gain_of(first: float, amount: float, there: float, worth: float, room: float
     """
     if worth <= first:
         return max(0.0, min(room, there - amount)) * worth
-    taken = min(room, there)
-    return taken * worth - (amount - min(amount, there - taken)) * first
+    removed = min(room, there)
+    return removed * worth - (amount - min(amount, there - removed)) * first
 
 
 @kernel
@@ -114,7 +114,7 @@ def _next_stop(
 
     The ratio rule of W. E. Smith, "Various optimizers for single-stage production", 1956.
     """
-    best, chosen, pace, roam = np.inf, NONE, -np.log(effort.discount), effort.roam
+    best, next_stop, pace, roam = np.inf, NONE, -np.log(effort.discount), effort.roam
     weight, ways, lasts = legs.weight, _ways_from(legs, f, at), legs.lasts[f]
     first, amount = claims.worth, claims.amount
     for stop in range(weight.size):
@@ -127,8 +127,8 @@ def _next_stop(
                 worth = np.exp(-pace * (clock + way))
                 if gain_of(first[stop], amount[stop], weight[stop], worth, room) <= 0.0:
                     continue
-            best, chosen = rank, stop
-    return chosen
+            best, next_stop = rank, stop
+    return next_stop
 
 
 @kernel

@@ -75,18 +75,18 @@ def step_down(
     """
     parents = tree.visits[node] * forget ** (now - tree.last[node])
     spread, number, child = max(0.0, tree.bounds[1] - tree.bounds[0]), 0, tree.child[node]
-    best, chosen, known = -np.inf, NONE, False
+    best, best_child, known = -np.inf, NONE, False
     log = np.log(max(1.0, parents))
     while child != NONE:
         n = max(1e-9, tree.visits[child] * forget ** (now - tree.last[child]))
         bound = tree.total[child] / tree.visits[child] + explore * spread * np.sqrt(log / n)
         if bound > best:
-            best, chosen = bound, child
+            best, best_child = bound, child
         known = known or tree.action[child] == wanted
         child, number = tree.sibling[child], number + 1
     if not known and number * number < max(1.0, parents) and tree.size[0] < tree.child.size:
         return _added(tree, node, wanted, now), True
-    return chosen, False
+    return best_child, False
 
 
 @kernel

@@ -148,7 +148,7 @@ def all_pairs(neighbours: Int32Array) -> Float32Array:
 class DistanceRows(NamedTuple):
     """Distances from single nodes: all of them on a small graph, those asked for last on others."""
 
-    kept: RowCache
+    cache: RowCache
     distance: Float32Array  # (row, node) [node], inf where there is no way
 
     @classmethod
@@ -169,7 +169,7 @@ def filled_row(rows: DistanceRows, neighbours: Int32Array, node: int, workspace:
     """Number of the row of distances from a node, searched where it is not kept; asking for another
     node may overwrite it.
     """
-    number, missing = row_of(rows.kept, node)
+    number, missing = row_of(rows.cache, node)
     if missing:
         source = np.empty(1, np.int32)
         source[0] = node

@@ -161,9 +161,9 @@ def load_networks(path: Path, task: Task) -> "dict[str, MoveNetwork]":
         tensors = load_file(path)
     except SafetensorError as error:
         raise WeightsError(f"weights {path}: damaged ({error}); get the file again") from error
-    held = {name.partition(".")[0] for name in tensors}
+    present = {name.partition(".")[0] for name in tensors}
     made: type[MoveNetwork] = getattr(q_network, KINDS[header.format])
-    networks = {team: made(shapes) for team in TEAMS if team in held}
+    networks = {team: made(shapes) for team in TEAMS if team in present}
     for team, agents in zip(TEAMS, (task.fleet.discoverers, task.fleet.collectors), strict=True):
         if agents.size and team not in networks:
             raise WeightsError(

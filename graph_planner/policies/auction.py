@@ -88,8 +88,8 @@ def _share_items(
     if able.size == 0 or known.size == 0:
         return
     ways = ways_between(table, neighbours, workspace, at[able], known)
-    chosen = _lots_of(known, ways, terms.lots, key)
-    nodes = known[chosen]
+    lots = _lots_of(known, ways, terms.lots, key)
+    nodes = known[lots]
     tie = np.empty(able.size)
     for i in range(able.size):
         tie[i] = TIE * uniform(key, _AGENTS + able[i], 0)
@@ -97,7 +97,7 @@ def _share_items(
     for i in range(nodes.size):
         lot_tie[i] = TIE * uniform(key, _NODES + nodes[i], 0)
         items[i] = seen.belief[e, nodes[i]]
-    first = np.ascontiguousarray(ways[:, chosen])
+    first = np.ascontiguousarray(ways[:, lots])
     between = ways_between(table, neighbours, workspace, nodes, nodes)
     bidders = Bidders(arrays.moves[able].astype(np.float64), room[able], energy[able], tie)
     path, size = np.empty((able.size, nodes.size), np.int32), np.empty(able.size, np.int32)

@@ -69,10 +69,10 @@ class QPolicy:
         levels = self._encoder.see(observation, rows)
         for team, agents in zip(TEAMS, self._teams, strict=True):
             if agents.size:
-                chosen = np.ix_(rows, agents)
-                flat = {n: v[chosen].reshape(-1, *v.shape[2:]) for n, v in levels.items()}
+                index = np.ix_(rows, agents)
+                flat = {n: v[index].reshape(-1, *v.shape[2:]) for n, v in levels.items()}
                 values = values_of(self._networks[team], flat)
-                self._preferences[chosen] = values.reshape(rows.size, agents.size, 9)
+                self._preferences[index] = values.reshape(rows.size, agents.size, 9)
         return self._preferences
 
 

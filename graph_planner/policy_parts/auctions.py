@@ -214,9 +214,9 @@ def sell_views(
         for s in range(bidders.size):
             if won[s] != UNSOLD:
                 continue
-            shown = shows[radius_number[s]]
+            visible = shows[radius_number[s]]
             for c in range(places.size):
-                rate = tie[c] * shown[c] / (ways[s, c] / pace[s] + patience)
+                rate = tie[c] * visible[c] / (ways[s, c] / pace[s] + patience)
                 if rate > best:
                     best, winner, sold = rate, s, places[c]
         if winner < 0:

@@ -74,10 +74,10 @@ def _limit_room(routing: Any, legs: Legs) -> None:
         return
     others = legs.first.shape[0] + 1
     shares = np.rint(np.minimum(legs.weight, finite.min()) * _SHARES).astype(int).tolist()
-    taken = routing.RegisterUnaryTransitVector(shares + [0] * others)
+    load = routing.RegisterUnaryTransitVector(shares + [0] * others)
     most = float(finite.sum() + legs.weight.sum())
     rooms = np.rint(np.minimum(legs.room, most) * _SHARES).astype(int).tolist()
-    routing.AddDimensionWithVehicleCapacity(taken, 0, rooms, True, "room")
+    routing.AddDimensionWithVehicleCapacity(load, 0, rooms, True, "room")
 
 
 def solve_routes(library: Library, legs: Legs, horizon: float, solutions: int) -> list[list[int]]:

@@ -69,8 +69,8 @@ class AlgorithmTrial:
 
     def fresh(self, **settings: Any) -> Algorithm[Any]:
         """A trainer that has not played."""
-        chosen = changed(self.made.settings(), {**SETTINGS, **self.settings, **settings})
-        return self.made([load_scenario(self.scenario, self.overrides)], chosen, self.seed)
+        hyperparameters = changed(self.made.settings(), {**SETTINGS, **self.settings, **settings})
+        return self.made([load_scenario(self.scenario, self.overrides)], hyperparameters, self.seed)
 
     def played(self) -> State:
         """After all rounds, played by a fresh trainer."""

@@ -111,15 +111,15 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Arrays, int]):  # 
         for agent in actions:
             if agent not in self.possible_agents:
                 raise UserError(f"action of {agent}: there is no such agent; choose {names}")
-        chosen = np.full(len(self.possible_agents), STAY)
+        moves = np.full(len(self.possible_agents), STAY)
         for i, agent in enumerate(self.possible_agents):
             if agent in self.agents:
                 if agent not in actions:
                     raise UserError(
                         f"action of {agent}: is missing; give one to each of env.agents"
                     )
-                chosen[i] = checked_moves(actions[agent], (), f"action of {agent}")
-        return chosen
+                moves[i] = checked_moves(actions[agent], (), f"action of {agent}")
+        return moves
 
     def _observed(self, agents: list[str]) -> tuple[dict[str, Arrays], dict[str, dict[str, Any]]]:
         levels, masks, facts = self._seen(), self._core.masks[0], self._core.fact()

@@ -108,9 +108,9 @@ class Learner:
             levels = self._tensors(batch.levels)
             goal = self._goal(batch)
             values = self.online(levels)
-            chosen = values.gather(1, moves[:, None])[:, 0]
-            error = chosen - goal
-            losses = torch.nn.functional.smooth_l1_loss(chosen, goal, reduction="none")
+            predicted = values.gather(1, moves[:, None])[:, 0]
+            error = predicted - goal
+            losses = torch.nn.functional.smooth_l1_loss(predicted, goal, reduction="none")
             losses = losses + self.hyperparameters.margin_weight * lead_lacking(
                 values, demonstrated, self.hyperparameters.margin
             )
@@ -126,7 +126,7 @@ class Learner:
         errors: NDArray[np.float32] = error.detach().cpu().numpy()
         facts = {
             "loss": float(loss.detach()),
-            "value": float(chosen.detach().mean()),
+            "value": float(predicted.detach().mean()),
             "error": float(np.abs(errors).mean()),
         }
         return facts, errors

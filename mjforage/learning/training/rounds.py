@@ -71,9 +71,9 @@ class Round:
         if len(self.cores) == 1:
             return self.cores[0].see(envs)
         for core, own in zip(self.cores, self.envs, strict=True):
-            chosen = np.flatnonzero(np.isin(own, envs))
-            for name, level in core.see(chosen).items() if chosen.size else ():
-                self._levels[name][own[chosen]] = level[chosen]
+            present = np.flatnonzero(np.isin(own, envs))
+            for name, level in core.see(present).items() if present.size else ():
+                self._levels[name][own[present]] = level[present]
         return self._levels
 
     def play(self, preferences: NDArray[np.float64]) -> Played:

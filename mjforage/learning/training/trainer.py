@@ -183,17 +183,17 @@ class Trainer(Algorithm[Hyperparameters]):
 
 
 def _check_memory(
-    shapes: Shapes, agents: dict[str, NDArray[np.int64]], chosen: Hyperparameters
+    shapes: Shapes, agents: dict[str, NDArray[np.int64]], settings: Hyperparameters
 ) -> None:
     """Refuse replays that do not fit into this machine."""
     wanted = sum(
-        memory_bytes(shapes, chosen.num_envs * ids.size, chosen.capacity, chosen.n_step)
+        memory_bytes(shapes, settings.num_envs * ids.size, settings.capacity, settings.n_step)
         for ids in agents.values()
         if ids.size
     )
     check_memory(
-        f"--learning: a replay of capacity = {chosen.capacity} for each team, with num_envs = "
-        f"{chosen.num_envs},",
+        f"--learning: a replay of capacity = {settings.capacity} for each team, with num_envs = "
+        f"{settings.num_envs},",
         wanted,
         "give less capacity, or fewer environments",
     )

@@ -95,7 +95,7 @@ def test_rows_of_distances_make_room_for_one_another(
     for node_asked in (0, 5, 0, 9, 17, 0, 5, len(ragged_coast) - 1, 17):
         row = distances_of(rows, ragged_coast.neighbours, node_asked, workspace)
         np.testing.assert_array_equal(row, ragged_coast.distances[node_asked])
-        assert (rows.kept.slot >= 0).sum() == (rows.kept.owner >= 0).sum()
+        assert (rows.cache.slot >= 0).sum() == (rows.cache.owner >= 0).sum()
     table = ragged_coast.distance_rows
     assert np.shares_memory(table.distance, ragged_coast.distances)
 

@@ -192,8 +192,8 @@ def lacking(logits: Tensor, legal: Tensor, demonstrated: Tensor) -> Tensor:
     """Mean of -log(probability of any demonstrated move), where there is one; all are (..., 9)."""
     chances = logits.masked_fill(~legal, -torch.inf).log_softmax(dim=-1)
     some = (demonstrated & legal).any(dim=-1)
-    kept = chances.masked_fill(~(demonstrated & legal), -torch.inf)[some]
-    return -kept.logsumexp(dim=-1).mean()
+    demonstrated_chances = chances.masked_fill(~(demonstrated & legal), -torch.inf)[some]
+    return -demonstrated_chances.logsumexp(dim=-1).mean()
 
 
 def advantages(round: Decisions, gamma: float, gae: float) -> tuple[Tensor, Tensor]:
