@@ -91,12 +91,12 @@ def test_a_seed_has_many_episodes() -> None:
     assert second != episode(one, None, 0)
 
 
-EYES = ("sensors.detection=0.7", "sensors.false_rate=0.02", "sensors.map=filtered")
+SENSORS = ("sensors.detection=0.7", "sensors.false_rate=0.02", "sensors.map=filtered")
 RADIO = ("link.model=disk", "link.range_m=40", "link.loss=0.3", "link.burst=2", "link.latency=2")
 
 
 @pytest.mark.parametrize("mode", AutoresetMode)
-@pytest.mark.parametrize("more", [(), EYES, (*EYES, *RADIO)], ids=["plain", "eyes", "radio"])
+@pytest.mark.parametrize("more", [(), SENSORS, (*SENSORS, *RADIO)], ids=["plain", "sensors", "radio"])
 def test_sub_environments_are_single_environments_to_the_bit(
     mode: AutoresetMode, more: tuple[str, ...]
 ) -> None:
