@@ -96,7 +96,7 @@ RADIO = ("link.model=disk", "link.range_m=40", "link.loss=0.3", "link.burst=2", 
 
 
 @pytest.mark.parametrize("mode", AutoresetMode)
-@pytest.mark.parametrize("more", [(), SENSORS, (*SENSORS, *RADIO)], ids=["plain", "sensors", "radio"])
+@pytest.mark.parametrize("more", [(), SENSORS, (*SENSORS, *RADIO)], ids=["plain", "noisy", "radio"])
 def test_sub_environments_are_single_environments_to_the_bit(
     mode: AutoresetMode, more: tuple[str, ...]
 ) -> None:
