@@ -6,7 +6,6 @@ python docs/concepts/metric_pictures.py [FOLDER]  writes an SVG per group, by de
 import io
 import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib as mpl
@@ -187,122 +186,7 @@ def sharing() -> Figure:
     return made
 
 
-def effort() -> Figure:
-    """Throughput and energy per item."""
-    made, axes = figure(2, 7.2)
-    axes[0].step(STEPS, PTA_C * ITEMS / 100, where="post", color=FORAGER)
-    removed = float(PTA_C[-1]) * ITEMS / 100
-    axes[0].plot([0, HORIZON], [0, removed], color=MUTED, ls="--", lw=0.8)
-    rate = float(metrics.throughput(EVENTS.collected_at, 2, HORIZON))
-    note(axes[0], f"Throughput = {removed:.0f} / (2 x {HORIZON}) = {rate:.3f}", (3, 25))
-    axes[0].set(xlabel="step", ylabel="items removed", ylim=(0, 28), xlim=(0, HORIZON))
-    way = np.array([(0, 0), (1, 1), (2, 1), (3, 2), (3, 3), (4, 3), (5, 2), (6, 2)], float)
-    axes[1].plot(*way.T, "-o", color=FORAGER, ms=3)
-    axes[1].plot(*way[[3, 7]].T, "s", color=INK, ms=8, mfc="#FFF3A3")
-    length = np.linalg.norm(np.diff(way, axis=0), axis=1).sum()
-    axes[1].set(title=f"Energy = {length:.2f} / 2 = {length / 2:.2f} node/item", aspect="equal")
-    axes[1].set(xticks=range(7), yticks=range(4), xlabel="a way over nodes, two items taken")
-    axes[1].grid(color="#E4E8EC")
-    return made
-
-
-def information() -> Figure:
-    """Age of a map over time with its peak, and of a team-mate's position."""
-    made, axes = figure(2, 7.2)
-    age = 92 * np.exp(-STEPS / 18.0) + 8 + 12 * np.clip((STEPS - 50) / 25, 0, 1)
-    low = int(age.argmin())
-    axes[0].plot(STEPS, age, color=BELIEF)
-    axes[0].axhline(age.mean(), color=MUTED, ls="--", lw=0.8)
-    axes[0].plot(low + int(age[low:].argmax()), age[low:].max(), "o", color=FORAGER)
-    axes[0].plot(low, age[low], "v", color=INK)
-    note(axes[0], f"AoI = {age.mean():.0f} steps", (52, age.mean() + 5), MUTED)
-    note(
-        axes[0], f"AoI$_{{peak}}$ = {age[low:].max():.0f}, after the lowest (▼)", (30, 50), FORAGER
-    )
-    axes[0].set(title="age of the map", xlabel="step", ylabel="steps", ylim=(0, 110))
-    heard = np.array([max(h for h in (0, 6, 7, 30, 31, 70) if h <= t) for t in STEPS])
-    axes[1].plot(STEPS, STEPS - heard, color=SCOUT)
-    axes[1].axhline((STEPS - heard).mean(), color=MUTED, ls="--", lw=0.8)
-    axes[1].set(title="age of a team-mate's position", xlabel="step", ylabel="steps")
-    note(axes[1], f"PA = {(STEPS - heard).mean():.1f}", (50, (STEPS - heard).mean() + 1.0), MUTED)
-    return made
-
-
-def holders() -> Figure:
-    """Maps of two holders, of both together, and the truth."""
-    navigable = np.ones((7, 9), np.bool_)
-    truth, one, other = np.zeros((3, 7, 9), np.int16)
-    truth[1, 2], truth[4, 6], truth[5, 1] = 3, 2, 1
-    one[1, 2], other[4, 6], other[5, 1] = 3, 2, 1
-    both = np.maximum(one, other)
-    flat = [each.ravel() for each in (truth, both, one, other)]
-    pooled = metrics.model_error(flat[0], flat[1], navigable)[0]
-    apart, own = metrics.unlikeness(flat[1], np.array(flat[2:]), flat[0], pooled, navigable)
-    made, axes = figure(4, 7.4, 2.4)
-    titles = ("items", f"all looks together\nRMSE {pooled:.2f}", "holder 1", "holder 2")
-    for panel, values, title in zip(axes, (truth, both, one, other), titles, strict=True):
-        panel.imshow(values, cmap="Oranges" if panel is axes[0] else "Purples", vmin=0, vmax=4)
-        panel.set_title(title, fontsize=10)
-        panel.set(xticks=[], yticks=[])
-    words = f"Disagreement = {apart:.2f} (1 against 2), RMSE_holders = {own:.2f}"
-    made.supxlabel(words, fontsize=10)
-    return made
-
-
-def link() -> Figure:
-    """Who is in reach, and what becomes of looks."""
-    made, axes = figure(2, 7.2, 2.6)
-    places = {"scout 0": (0, 0), "scout 1": (5, 2.5), "forager 0": (2.2, 1), "forager 1": (7, 0)}
-    linked = np.zeros((4, 4), np.bool_)
-    for a, b in ((0, 2), (1, 2), (1, 3)):
-        linked[a, b] = linked[b, a] = True
-        ends = list(places.values())[a], list(places.values())[b]
-        axes[0].plot(*zip(*ends, strict=True), color=MUTED)
-    for name, at in places.items():
-        axes[0].plot(*at, "o", ms=9, color=SCOUT if name[0] == "s" else FORAGER)
-        below = name != "scout 1"
-        note(axes[0], name, (at[0], at[1] + (-0.55 if below else 0.3)), ha="center")
-    share = float(metrics.contact_share(linked))
-    axes[0].set(title=f"Contact = 3 of 6 pairs = {share:.2f}", xlim=(-1.2, 8.2), ylim=(-0.9, 3.4))
-    axes[0].axis("off")
-    fates = (
-        ("sent, received: delivered", "#409252", "-"),
-        ("sent, not received: lost", "#D90429", "--"),
-        ("over budget, not sent: dropped", MUTED, ":"),
-    )
-    for y, (text, colour, line) in enumerate(fates):
-        style = {"arrowstyle": "->", "color": colour, "ls": line}
-        axes[1].annotate("", (3, -y), (0, -y), arrowprops=style)
-        note(axes[1], text, (3.3, -y), colour, va="center")
-    axes[1].set(title="a look to somebody in reach", xlim=(-0.3, 9), ylim=(-2.6, 0.6))
-    axes[1].axis("off")
-    return made
-
-
-def forecasts() -> Figure:
-    """Reliability diagram."""
-    sure = (np.arange(10) + 0.5) / 10
-    number = np.array([600, 60, 40, 30, 26, 24, 22, 20, 24, 54], float)
-    came = np.array([0.01, 0.11, 0.2, 0.29, 0.36, 0.45, 0.52, 0.6, 0.72, 0.93])
-    squared = number * (came * (1 - sure) ** 2 + (1 - came) * sure**2)
-    sums = np.stack([number, number * sure, number * came, squared], axis=-1)
-    made, (axes,) = figure(1, 4.4, 3.2)
-    axes.plot([0, 1], [0, 1], color=MUTED, ls="--", lw=0.8)
-    axes.vlines(sure, sure, came, color=FORAGER)
-    axes.scatter(sure, came, s=number / 4, color=BELIEF)
-    words = (
-        f"Brier skill {float(metrics.brier_skill(sums)):.2f}\n"
-        f"calibration error {float(metrics.calibration_error(sums)):.3f}\n"
-        f"reliability {float(metrics.reliability(sums)):.4f}"
-    )
-    note(axes, words, (0.02, 0.72))
-    axes.set(xlabel="how sure (ten bins; area: nodes)", ylabel="how often it came true")
-    return made
-
-
-GROUPS = (progress, lag, service, error, idleness, sharing)
-MORE = (effort, information, holders, link, forecasts)
-PICTURES: dict[str, Callable[[], Figure]] = {each.__name__: each for each in (*GROUPS, *MORE)}
+PICTURES = (progress, lag, service, error, idleness, sharing)
 
 
 def rounded(svg: str) -> str:
@@ -320,10 +204,10 @@ def rounded(svg: str) -> str:
 def draw(folder: Path) -> None:
     """Write all pictures; the same bytes every time."""
     with mpl.rc_context({"svg.hashsalt": "mjforage", "font.size": 9, "svg.fonttype": "path"}):
-        for name, make in PICTURES.items():
+        for make in PICTURES:
             drawn = io.StringIO()
             make().savefig(drawn, format="svg", metadata={"Date": None})
-            (folder / f"metrics-{name}.svg").write_text(rounded(drawn.getvalue()), "utf-8")
+            (folder / f"metrics-{make.__name__}.svg").write_text(rounded(drawn.getvalue()), "utf-8")
 
 
 if __name__ == "__main__":
