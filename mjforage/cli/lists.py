@@ -139,13 +139,10 @@ def _write(grids: "list[GridMap]", path: Path) -> None:
     """A map as a table or a picture, or several on one sheet."""
     from mjforage.scenario.map_files import write_table
     from mjforage.view.figures.map_pictures import save_map_picture
-    from mjforage.view.figures.map_sheets import save_map_sheet
 
-    if len(grids) > 1:
-        save_map_sheet(grids, path)
-    elif path.suffix.lower() == ".csv":
+    if len(grids) == 1 and path.suffix.lower() == ".csv":
         write_table(grids[0].navigable, path)
     else:
-        save_map_picture(grids[0], path)
+        save_map_picture(grids, path)
     kind = "map" if path.suffix.lower() == ".csv" else "picture"
     output.print(f"{kind}: {path}", soft_wrap=True)

@@ -4,7 +4,7 @@ Maps are stored as changes: a scan renews some ten nodes of a map of thousands.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,17 +62,6 @@ class KnowledgeRecord:
             belief[step, self.cell[own]] = self.items[own]
             seen[step, self.cell[own]] = self.seen[own]
         return belief, seen
-
-    def until(self, steps: int) -> "KnowledgeRecord":
-        """The same as if the episode had ended after so many steps."""
-        entries = int(self.changes[: steps + 1].sum())
-        cut: dict[str, Any] = {
-            name: getattr(self, name)[:entries] for name in ("agent", "cell", "seen", "items")
-        }
-        by_step = ("changes", "received", "linked", "lost")
-        cut |= {name: getattr(self, name)[: steps + 1] for name in by_step}
-        known = np.where(self.known_from > steps, np.int16(UNKNOWN), self.known_from)
-        return replace(self, known_from=known, **cut)
 
     def idleness(self, seen: NDArray[np.int16]) -> NDArray[np.float16]:
         """Idleness in [0, 1] of the nodes of a map (T'+1, cell), by when each was seen last."""

@@ -10,13 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import pytest
 
+from mjforage.base.errors import UserError
 from mjforage.cli import main
 from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
 from mjforage.scenario.scenario_file import load_scenario
-from mjforage.view.render.opengl import choose_backend, egl_works, osmesa_works
+from mjforage.view.render.opengl import Canvas
 from tests.mjforage.printing import unprinted_figures
 
 HORIZON = 12
@@ -140,9 +142,10 @@ def evaluate_small() -> Callable[..., Path]:
 
 
 @pytest.fixture(scope="session")
-def opengl() -> str:
+def opengl() -> None:
     """Skip where no OpenGL driver is installed, the one reason not to draw."""
-    if not egl_works() and not osmesa_works():
-        reason = "no OpenGL driver: neither EGL nor OSMesa is installed"
-        (pytest.fail if "MJFORAGE_REQUIRE_OPENGL" in os.environ else pytest.skip)(reason)
-    return choose_backend()
+    try:
+        Canvas(mujoco.MjModel.from_xml_string("<mujoco/>"), 8, 8).close()
+    except UserError as error:
+        required = "MJFORAGE_REQUIRE_OPENGL" in os.environ
+        (pytest.fail if required else pytest.skip)(str(error))

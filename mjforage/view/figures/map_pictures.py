@@ -1,5 +1,7 @@
-"""Pictures of maps: water shaded by its distance to the quay, quay edges, starts and a scale."""
+"""Pictures of maps: one with rows and columns, or many small ones on a sheet, to one scale."""
 
+from collections.abc import Sequence
+from math import ceil
 from pathlib import Path
 from typing import Any, cast
 
@@ -9,99 +11,80 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
-from mjforage.scenario.maps import GridMap, Starts
+from mjforage.scenario.maps import GridMap
 from mjforage.view.page import style
 from mjforage.view.page.figure import literal
 
-LONG_SIDE_IN = 7.0  # of the map itself [inch]
-MARGIN_IN = (0.6, 0.75)  # across, up: for ticks and title [inch]
+ACROSS = 5  # maps in a row of a sheet
+MOST = 100  # maps on a sheet
+ALONE_IN, SHEET_IN = 7.0, 1.9  # longer side of the largest map, alone and on a sheet [inch]
+DPI = 120
 DEEP = "#A9D0E6"  # water far from the quay; next to it `style.WATER`
 DEPTH_NODES = 5.0  # distance from the quay at which water is as dark as it gets [node]
-BELOW_POINTS = 24.0  # from the map down to the scale bar [point]
 
 
-def map_figure(
-    grid: GridMap,
-    starts: Starts | None = None,
-    title: str | None = None,
-    pitch_m: float | None = None,
-) -> Figure:
-    """Draw a map, north up.
+def map_figure(grids: Sequence[GridMap]) -> Figure:
+    """Draw maps from left to right, north up, each with its name, all to the scale of the largest.
 
-    Parameters
-    ----------
-    grid : the map
-    starts : (row, column) of the starts to mark
-    title : by default the map's name, size and number of nodes
-    pitch_m : distance between neighbouring nodes [m]; with it a scale bar is drawn
+    One map alone has its size, number of nodes, rows and columns beside it.
     """
-    rows, columns = grid.navigable.shape
-    inch = LONG_SIDE_IN / max(rows, columns)
-    size = (max(columns * inch, 2.0) + MARGIN_IN[0], max(rows * inch, 1.0) + MARGIN_IN[1])
-    if title is None:
-        title = f"{grid.name}: {rows} x {columns} cells, {grid.nodes} nodes"
+    alone = len(grids) == 1
+    tall, wide = np.max([grid.navigable.shape for grid in grids], axis=0)
+    inch = (ALONE_IN if alone else SHEET_IN) / max(tall, wide)
+    across, down = min(ACROSS, len(grids)), ceil(len(grids) / ACROSS)
+    size = across * (max(wide * inch, 1.0) + 0.6 * alone), down * (max(tall * inch, 1.0) + 0.4)
     with rc_context(cast(Any, style.RC)):
         figure = Figure(figsize=size, layout="constrained")
-        axes = figure.add_subplot()
-        draw_water(axes, grid.navigable)
-        draw_quays(axes, grid.navigable, float(np.clip(90.0 / max(rows, columns), 0.2, 1.6)))
-        _draw_starts(axes, starts or ())
-        if pitch_m is not None:
-            _draw_scale(figure, axes, columns * pitch_m)
-        _frame(axes, (rows, columns), title)
+        every = figure.subplots(down, across, squeeze=False).ravel()
+        for axes in every:
+            axes.set_axis_off()
+        for axes, grid in zip(every, grids, strict=False):
+            rows, columns = grid.navigable.shape
+            _draw_water(axes, grid.navigable)
+            _draw_quays(axes, grid.navigable, float(np.clip(12.0 * inch, 0.2, 1.6)))
+            axes.set_aspect("equal")
+            if alone:
+                _name(axes, grid)
+                continue
+            middle = columns / 2 - 0.5, rows / 2 - 0.5
+            axes.set_xlim(middle[0] - wide / 2, middle[0] + wide / 2)
+            axes.set_ylim(middle[1] + tall / 2, middle[1] - tall / 2)
+            axes.set_title(grid.name.partition(":")[2] or grid.name, fontsize=8)
     return figure
 
 
-def save_map_picture(
-    grid: GridMap,
-    path: Path,
-    starts: Starts | None = None,
-    title: str | None = None,
-    pitch_m: float | None = None,
-    dpi: int = 120,
-) -> None:
-    """Write the picture of a map; the suffix chooses the format (PNG, SVG, PDF).
+def save_map_picture(grids: Sequence[GridMap], path: Path) -> None:
+    """Write the picture of maps; the suffix chooses the format (PNG, SVG, PDF).
 
     Parameters
     ----------
-    grid, starts, title, pitch_m : as for `map_figure`
+    grids : one map, or up to 100 for a sheet
     path : file to write; its folder must exist
-    dpi : pixels per inch of a PNG
 
     Raises
     ------
     UserError
-        If the file cannot be written or its suffix is no picture format.
+        If there are too many maps, the file cannot be written or its suffix is no picture format.
     """
-    save_figure(map_figure(grid, starts, title, pitch_m), path, dpi)
-
-
-def save_figure(figure: Figure, path: Path, dpi: int) -> None:
-    """Write a picture; the suffix chooses the format.
-
-    Raises
-    ------
-    UserError
-        As `save_map_picture`.
-    """
+    if len(grids) > MOST:
+        raise UserError(f"picture {path}: {len(grids)} maps; give at most {MOST} of them")
+    figure = map_figure(grids)
     kinds = sorted(figure.canvas.get_supported_filetypes())
     kind = path.suffix.lower()[1:]
     if kind not in kinds:
         raise UserError(f"picture {path}: unknown kind; give .{', .'.join(kinds)}")
     literal(figure)
     with atomic_write(path) as beside:
-        figure.savefig(beside, dpi=dpi, format=kind)
+        figure.savefig(beside, dpi=DPI, format=kind)
 
 
-def draw_water(axes: Axes, navigable: NDArray[np.bool_]) -> None:
+def _draw_water(axes: Axes, navigable: NDArray[np.bool_]) -> None:
     """Water, darker towards the open, and land, of (row, column)."""
     depth = ndimage.distance_transform_edt(np.pad(navigable, 1, mode="edge"))[1:-1, 1:-1]
     shades = LinearSegmentedColormap.from_list("depth", [style.WATER, DEEP])
@@ -111,7 +94,7 @@ def draw_water(axes: Axes, navigable: NDArray[np.bool_]) -> None:
     axes.imshow(colours, interpolation="nearest")
 
 
-def draw_quays(axes: Axes, navigable: NDArray[np.bool_], points: float) -> None:
+def _draw_quays(axes: Axes, navigable: NDArray[np.bool_], points: float) -> None:
     """Line so wide between each water cell and the land beside it; the array's own edge is open."""
     rows, cols = np.nonzero(navigable[:, 1:] != navigable[:, :-1])
     lines = [((c + 0.5, r - 0.5), (c + 0.5, r + 0.5)) for r, c in zip(rows, cols, strict=True)]
@@ -121,57 +104,11 @@ def draw_quays(axes: Axes, navigable: NDArray[np.bool_], points: float) -> None:
     axes.add_collection(quays)
 
 
-def _draw_starts(axes: Axes, starts: Starts) -> None:
-    for row, column in starts:
-        axes.plot(
-            column, row, "o", ms=7, mfc=style.INK, mec="white", mew=1.2, zorder=4, gid="start"
-        )
-    if starts:
-        row, column = starts[0]
-        axes.annotate(
-            "start" if len(starts) == 1 else "starts",
-            *((column, row), (8, 6)),
-            textcoords="offset points",
-            fontsize=9,
-            color=style.INK,
-        )
-
-
-def scale_length(width_m: float) -> float:
-    """Longest round length (1, 2 or 5 times a power of ten) within a quarter of the width [m]."""
-    quarter = width_m / 4.0
-    decade = 10.0 ** np.floor(np.log10(quarter))
-    return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= quarter))
-
-
-def _draw_scale(figure: Figure, axes: Axes, width_m: float) -> None:
-    """Bar below the map, so that it covers no node."""
-    length = scale_length(width_m)
-    left = 1.0 - length / width_m
-    below = ScaledTranslation(0.0, -BELOW_POINTS / 72.0, figure.dpi_scale_trans)
-    bar = Line2D([left, 1.0], [0.0, 0.0], color=style.INK, linewidth=3, solid_capstyle="butt")
-    bar.set(transform=axes.transAxes + below, clip_on=False, gid="scale")
-    axes.add_line(bar)
-    axes.annotate(
-        f"{length:g} m",
-        (0.5 * (1.0 + left), 0.0),
-        xycoords="axes fraction",
-        xytext=(0, -BELOW_POINTS - 4),
-        textcoords="offset points",
-        ha="center",
-        va="top",
-        fontsize=9,
-    )
-
-
-def _frame(axes: Axes, shape: tuple[int, int], title: str) -> None:
-    rows, columns = shape
+def _name(axes: Axes, grid: GridMap) -> None:
+    rows, columns = grid.navigable.shape
+    axes.set_axis_on()
     axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5), xlabel="column", ylabel="row")
-    axes.set_aspect("equal")
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True))
-    axes.yaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 5, 10], integer=True))
-    axes.set_title(title)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, integer=True))
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=10, integer=True))
+    axes.set_title(f"{grid.name}: {rows} x {columns} cells, {grid.nodes} nodes")
     axes.grid(visible=False)
-    axes.tick_params(length=3)
-    for spine in axes.spines.values():
-        spine.set(visible=True, linewidth=0.8, color=style.QUAY_EDGE)

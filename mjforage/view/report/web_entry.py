@@ -7,7 +7,6 @@ base64. Signed ones are folded first: 0, -1, 1, -2 -> 0, 1, 2, 3.
 import base64
 import zlib
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -49,30 +48,6 @@ def entry_of(replay: Recording, limit: int | None = None) -> dict[str, Any]:
         "most_believed": int(np.clip(replay.belief, 0, MOST_COUNT).max(initial=0)),
         "text": text,
     }
-
-
-def cut_entry(replay: Recording, limit: int) -> dict[str, Any]:
-    """Its beginning, as `entry_of`, so long that the limit holds; `whole` are the steps it had.
-
-    A limit that holds not even a step leaves one.
-    """
-    whole = steps = len(replay.item_present) - 1
-    found = entry_of(replay, limit)
-    while len(found["text"]) > limit and steps > 1:
-        steps = max(1, min(steps - 1, int(0.95 * steps * limit / len(found["text"]))))
-        found = entry_of(_beginning(replay, steps), limit) | {"whole": whole}
-    return found
-
-
-def _beginning(replay: Recording, steps: int) -> Recording:
-    """The first steps of an episode, and the frames of that time."""
-    frames = int(steps * replay.period_s / replay.frame_s + 1e-6) + 1
-    by_step = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
-    by_frame = ("track_pose", "track_items", "track_present", "track_wind")
-    held = None if replay.knowledge is None else replay.knowledge.until(steps)
-    cut: dict[str, Any] = {name: getattr(replay, name)[: steps + 1] for name in by_step}
-    cut |= {name: getattr(replay, name)[:frames] for name in by_frame}
-    return replace(replay, knowledge=held, **cut)
 
 
 def _pose_stride(item_stride: int) -> int:

@@ -26,7 +26,6 @@ from mjforage.view.report.web_entry import (
     POSITION_M,
     WIND_MPS,
     YAW_RAD,
-    cut_entry,
     entry_of,
 )
 
@@ -57,7 +56,6 @@ class WebReplay:
     vessels: tuple[str, ...]  # names
     held: bool  # whether each has a belief of its own
     left_out: int  # recorded episodes for which the page has no room
-    cut: int  # shown ones that end early, for the same reason
     data: Mapping[str, Any]  # for the page's script, as JSON
     script: Markup  # all of its element, to the letter: the page allows no other
     stylesheet: Markup
@@ -73,8 +71,8 @@ class _File:
     episode: int
     path: Path
 
-    def entry(self, limit: int, budget: int) -> dict[str, Any]:
-        """Its data in so many characters, cut to fit into a budget; read anew, as all are many.
+    def entry(self, limit: int) -> dict[str, Any]:
+        """Its data, thinned to so many characters if it can be; read anew, as all are many.
 
         Raises
         ------
@@ -88,8 +86,6 @@ class _File:
         if not (fits and np.array_equal(replay.navigable, run.map.cells)):
             raise UserError(f"replay {self.path}: is not of the run in {self.run.folder}; {REMEDY}")
         entry = entry_of(replay, limit)
-        if len(entry["text"]) > budget:
-            entry = cut_entry(replay, budget)
         return entry | {"run": self.run.place, "ranks": self.run.ranks(self)}
 
 
@@ -155,8 +151,7 @@ def web_replay(
     ----------
     folders : label, as the player names it -> run folder; one run alone needs none: `{"": folder}`
     budget : characters of text for all replays together; they are thinned in time to fit, and what
-        does not fit even so is left out, the first episodes last; one that alone does not fit is
-        cut after so many steps that it does
+        does not fit even so is left out, the first episodes last; one is always shown
     policies : whose are shown; none for all
 
     Raises
@@ -185,7 +180,6 @@ def web_replay(
         vessels=tuple(dict.fromkeys(agents)),
         held=any(entry["forgetting"] is not None for entry in entries),
         left_out=len(kept) - len(entries),
-        cut=sum("whole" in entry for entry in entries),
         data={
             **_stage(opened[0].run),
             "runs": [facts.get(run.place) for run in opened],
@@ -220,8 +214,7 @@ def _fitting(files: Sequence[_File], most: int, budget: int) -> list[dict[str, A
     chosen = sorted(turns)[:most]
     taken: dict[int, dict[str, Any]] = {}
     for number, (_, place) in enumerate(chosen):
-        room = budget if not taken else 10 * BUDGET  # one is always shown
-        entry = files[place].entry(max(1, budget // (len(chosen) - number)), room)
+        entry = files[place].entry(max(1, budget // (len(chosen) - number)))
         budget -= len(entry["text"])
         if taken and budget < 0:
             break

@@ -9,21 +9,18 @@ from PIL import Image
 
 from mjforage.base.errors import UserError
 from mjforage.scenario.maps import GridMap, load_map
-from mjforage.view.figures.map_pictures import map_figure, save_map_picture, scale_length
+from mjforage.view.figures.map_pictures import map_figure, save_map_picture
 
 
-def test_water_land_starts_and_scale_are_drawn() -> None:
+def test_water_and_land_are_drawn() -> None:
     before = dict(rcParams)
     grid = load_map("comb_port")
-    axes = map_figure(grid, starts=((10, 7), (12, 7)), pitch_m=4.0).axes[0]
+    axes = map_figure([grid]).axes[0]
     colours = np.asarray(axes.images[0].get_array())
     water = colours[grid.navigable].reshape(-1, 4)
     land = np.unique(colours[~grid.navigable].reshape(-1, 4), axis=0)
     assert len(land) == 1
     assert not (water == land).all(axis=1).any()
-    marked = [line.get_xydata() for line in axes.lines if line.get_gid() == "start"]
-    assert np.array_equal(np.concatenate(marked), [[7, 10], [7, 12]])
-    assert "20 m" in [text.get_text() for text in axes.texts]
     assert axes.get_title(loc="left") == "comb_port: 62 x 46 cells, 1297 nodes"
     assert dict(rcParams) == before
 
@@ -31,24 +28,15 @@ def test_water_land_starts_and_scale_are_drawn() -> None:
 @pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1)])
 def test_odd_shapes_can_be_drawn(tmp_path: Path, shape: tuple[int, int]) -> None:
     grid = GridMap("odd", np.ones(shape, np.bool_))
-    save_map_picture(grid, tmp_path / "odd.png", pitch_m=0.3, dpi=40)
+    save_map_picture([grid], tmp_path / "odd.png")
     with Image.open(tmp_path / "odd.png") as image:
         assert min(image.size) > 10
-
-
-@pytest.mark.parametrize(
-    ("width_m", "length_m"), [(184, 20), (200, 50), (4, 1), (0.3, 0.05), (39.9, 5), (8000, 2000)]
-)
-def test_scale_is_the_longest_round_length_within_a_quarter(
-    width_m: float, length_m: float
-) -> None:
-    assert scale_length(width_m) == pytest.approx(length_m)
 
 
 def test_picture_is_small_and_the_same_each_time(tmp_path: Path) -> None:
     grid = load_map("channels")
     for name in ("a.png", "b.png"):
-        save_map_picture(grid, tmp_path / name)
+        save_map_picture([grid], tmp_path / name)
     assert (tmp_path / "a.png").stat().st_size < 100_000
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
@@ -56,4 +44,4 @@ def test_picture_is_small_and_the_same_each_time(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["missing/picture.png", "picture.nonsense"])
 def test_unwritable_picture_is_named(tmp_path: Path, name: str) -> None:
     with pytest.raises(UserError, match=name):
-        save_map_picture(GridMap("sea", np.ones((2, 2), np.bool_)), tmp_path / name)
+        save_map_picture([GridMap("sea", np.ones((2, 2), np.bool_))], tmp_path / name)

@@ -197,10 +197,10 @@ def test_the_panel_has_a_sign_for_contacts_and_one_for_losses(apart: Recording) 
     assert away[1] < 30.0 < away[0], "in contact, then lost, in red"
 
 
+@pytest.mark.usefixtures("opengl")
 def test_a_film_through_mujoco_shows_it_too(
-    opengl: str, apart: Recording, refine: Build, tmp_path: Path
+    apart: Recording, refine: Build, tmp_path: Path
 ) -> None:
-    assert opengl
     frames = []
     for name in ("all", "foragers_0"):
         options: dict[str, Any] = {"seen_by": name, "size": (960, 540), "start_s": 40.0}

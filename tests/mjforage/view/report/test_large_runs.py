@@ -23,7 +23,6 @@ from mjforage.view.report.sections import ROWS, cut
 from mjforage.view.report.shown import BEST, PAIRS, WORST, only, shown_policies
 from mjforage.view.report.step_means import POINTS
 from mjforage.view.report.track_figure import tracks_figure
-from mjforage.view.report.web_replay import web_replay
 from tests.mjforage.conftest import Command
 from tests.mjforage.view.report.large_runs import of_episodes, of_policies
 
@@ -96,19 +95,6 @@ def test_of_a_long_horizon_so_many_steps_are_drawn(make_run: MakeRun) -> None:
     for picture in time_figures(logs):
         for line in picture.figure.axes[0].lines:
             assert np.size(line.get_xdata()) == POINTS + 1
-
-
-def test_an_episode_that_has_no_room_is_cut_and_said_so(make_run: MakeRun) -> None:
-    folder = make_run(policies=("greedy",), episodes=1, horizon=600)
-    whole = web_replay({"": folder})
-    assert whole is not None and whole.cut == 0
-    budget = len(whole.data["replays"][0]["text"]) // 3
-    part = web_replay({"": folder}, budget)
-    assert part is not None and (part.cut, part.left_out) == (1, 0)
-    (entry,) = part.data["replays"]
-    assert len(entry["text"]) <= budget
-    assert 50 < entry["steps"] < entry["whole"] == whole.data["replays"][0]["steps"]
-    assert entry["frames"] == entry["steps"] + 1
 
 
 def test_the_largest_figures_become_pictures_until_all_have_room(tmp_path: Path) -> None:
