@@ -1,6 +1,5 @@
 """`mjforage render` and `mjforage view`: films, pictures and a window on episodes."""
 
-import logging
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -76,7 +75,6 @@ def render(
     from mjforage.runs.replaying import recording_of_run
     from mjforage.view.render import render_recording
 
-    logging.getLogger("mjforage.view.render").setLevel(logging.INFO)  # says what draws
     trust_policies(policy, beside)
     with working("render, playing the episode again"):
         recording = recording_of_run(folder, world, policy, episode)
@@ -102,22 +100,21 @@ def render(
 
 @app.command
 def view(
-    what: str = "comb-port",
+    folder: Path,
     /,
     *,
     episode: int = 0,
     policy: str | None = None,
     world: str | None = None,
     speed: float = 10.0,
-    seed: int = 0,
     known: Trusted = NOBODY,
 ) -> None:
-    """Open MuJoCo's viewer on a scenario's scene, or on an episode of a run that it plays back.
+    """Open MuJoCo's viewer on an episode of a run, which it plays back in a loop.
 
     Parameters
     ----------
-    what
-        A scenario (see `mjforage scenarios`, or a TOML file), or a run folder.
+    folder
+        Folder that evaluate or compare wrote.
     episode
         Number of the episode.
     policy
@@ -126,17 +123,10 @@ def view(
         Dynamics of the run.
     speed
         Simulated seconds per second of playing back.
-    seed
-        Seed of a scenario's episode; a run has its own.
     """
-    from mjforage.mission.setup import Setup
     from mjforage.runs.replaying import recording_of_run
-    from mjforage.scenario.scenario_file import load_scenario
-    from mjforage.view.render.viewer import check_display, view_recording, view_scenario
+    from mjforage.view.render.viewer import check_display, view_recording
 
     check_display()
     trust_policies(policy)
-    if Path(what).is_dir():
-        view_recording(recording_of_run(Path(what), world, policy, episode), speed)
-    else:
-        view_scenario(Setup.of(load_scenario(what)), seed, episode)
+    view_recording(recording_of_run(folder, world, policy, episode), speed)

@@ -1,4 +1,4 @@
-"""MuJoCo's own viewer on a scenario's scene, or on an episode that it plays back in a loop."""
+"""MuJoCo's own viewer on a recorded episode, which it plays back in a loop."""
 
 import os
 import sys
@@ -13,10 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.mission.mission import Mission
-from mjforage.mission.setup import Setup
 from mjforage.physics.scene import Scene, build_scene
-from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_recording import Recording
 from mjforage.view.render.track import Track
 from mjforage.view.render.visual_scene import vessels_of
@@ -42,47 +39,6 @@ def check_display() -> None:
         )
 
 
-def view_scenario(setup: Setup, seed: int, episode: int) -> None:
-    """Show a scenario's scene with everything where the episode starts, until the window closes.
-
-    Raises
-    ------
-    UserError
-        If there is no display, or the scene cannot be built.
-    """
-    check_display()
-    scene, vessels, items = start_of(setup, seed, episode)
-    data = mujoco.MjData(scene.model)
-    put(scene, data, vessels, items)
-    with _window(scene.model, data, vessels) as window:
-        while window.is_running():
-            window.sync()
-            time.sleep(_FRAME_S)
-
-
-def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floats]:
-    """Scene of a scenario, vessels (agent, 3) and items (item, 3) as `put` takes them."""
-    from mjforage.physics.dynamics.fleet_scene import item_choices
-    from mjforage.physics.dynamics.item_bodies import draw_classes
-    from mjforage.scenario.vessel_files import hull_names
-
-    mission, choice = Mission(setup), setup.scenario.physics
-    mission.reset(seed, np.array([episode], np.int64))
-    state, metres = mission.state, setup.graph.metres
-    vessels = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
-    there = state.item_node[0] >= 0
-    items = np.column_stack((metres(state.item_rc[0]), there.astype(np.float64)))
-    classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))[0]
-    scene = build_scene(
-        [load_vessel(name) for name in hull_names(setup.fleet, choice)],
-        navigable=setup.grid.navigable,
-        pitch_m=setup.scenario.map.pitch_m,
-        items=len(items),
-        looks=np.maximum(classes, 0).tolist(),
-    )
-    return scene, vessels, items
-
-
 def view_recording(recording: Recording, speed: float) -> None:
     """Play an episode back over and over, until the window closes.
 
@@ -93,11 +49,10 @@ def view_recording(recording: Recording, speed: float) -> None:
     Raises
     ------
     UserError
-        If there is no display, or `speed` is not above 0.
+        If `speed` is not above 0, or the window does not open.
     """
     if not 0.0 < speed < np.inf:
         raise UserError(f"speed {speed:g}: must be over 0")
-    check_display()
     track, scene = Track.of(recording), scene_of(recording)
     data = mujoco.MjData(scene.model)
     with _window(scene.model, data, track.vessels_at(0.0)) as window:

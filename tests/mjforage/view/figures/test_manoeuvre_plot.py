@@ -19,7 +19,8 @@ def words(figure: Figure) -> list[str]:
 
 def test_panels_show_track_heading_speeds_and_commands() -> None:
     done = run("zigzag-20")
-    shown = [[line.get_xydata() for line in axes.lines] for axes in manoeuvre_figure(done).axes]
+    figure = manoeuvre_figure(done)
+    shown = [[np.asarray(line.get_xydata()) for line in axes.lines] for axes in figure.axes]
     wanted = [
         [done.states[:, :2]],
         [np.column_stack((done.times_s, np.degrees(done.states[:, 2])))],
