@@ -99,10 +99,10 @@ class Map:
         return tuple((int(row), int(column)) for row, column in self._starts or ())
 
     def plot(self) -> "Figure":
-        """Figure of the map, north up, with its starts and a scale."""
+        """Figure of the map, north up, with its starts."""
         from mjforage.view.figures.map_pictures import map_figure
 
-        return map_figure(self._grid, self.starts, pitch_m=self.pitch_m)
+        return map_figure([self._grid], self.starts)
 
     def to_file(self, path: Named) -> Path:
         """Write the water as a CSV table, and the starts beside it.

@@ -17,7 +17,7 @@ from scipy import ndimage
 
 from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
-from mjforage.scenario.maps import GridMap
+from mjforage.scenario.maps import GridMap, Starts
 from mjforage.view.page import style
 from mjforage.view.page.figure import literal
 
@@ -29,10 +29,11 @@ DEEP = "#A9D0E6"  # water far from the quay; next to it `style.WATER`
 DEPTH_NODES = 5.0  # distance from the quay at which water is as dark as it gets [node]
 
 
-def map_figure(grids: Sequence[GridMap]) -> Figure:
+def map_figure(grids: Sequence[GridMap], starts: Starts = ()) -> Figure:
     """Draw maps from left to right, north up, each with its name, all to the scale of the largest.
 
-    One map alone has its size, number of nodes, rows and columns beside it.
+    One map alone has its size, number of nodes, rows and columns beside it, and `starts` (row,
+    column) marked.
     """
     alone = len(grids) == 1
     tall, wide = np.max([grid.navigable.shape for grid in grids], axis=0)
@@ -51,6 +52,7 @@ def map_figure(grids: Sequence[GridMap]) -> Figure:
             axes.set_aspect("equal")
             if alone:
                 _name(axes, grid)
+                axes.plot([c for _, c in starts], [r for r, _ in starts], "o", color=style.INK)
                 continue
             middle = columns / 2 - 0.5, rows / 2 - 0.5
             axes.set_xlim(middle[0] - wide / 2, middle[0] + wide / 2)
