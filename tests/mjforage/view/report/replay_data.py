@@ -1,15 +1,12 @@
-"""Replays for tests, and a reader of their data that is written apart from the code under test."""
+"""Recorded episodes for tests of the page's player."""
 
-import base64
 import shutil
-import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.runs.episode_recording import Recording
@@ -17,46 +14,7 @@ from mjforage.runs.knowledge_record import KnowledgeRecord
 from mjforage.view.report.web_replay import WebReplay, web_replay
 
 MakeRun = Callable[..., Path]
-Numbers = Iterator[int]
 NODE = shutil.which("node")
-
-
-def unpacked(text: str) -> Numbers:
-    """Written apart from the code under test: number by number, from the four planes."""
-    content = zlib.decompress(base64.b64decode(text))
-    count = len(content) // 4
-    for place in range(count):
-        yield int.from_bytes(content[place::count], "little")
-
-
-def read_track(numbers: Numbers, lines: int, times: int, unit: float) -> NDArray[np.float64]:
-    """(line, time)."""
-    order, values = next(numbers), np.empty((lines, times))
-    for line in range(lines):
-        value = rate = 0
-        for time in range(times):
-            code = next(numbers)
-            change = -(code + 1) // 2 if code % 2 else code // 2
-            rate = rate + change if order == 2 else change
-            value += rate
-            values[line, time] = value * unit
-    return values
-
-
-def read_layer(numbers: Numbers, shape: tuple[int, ...]) -> NDArray[np.int64]:
-    """(step, row, column)."""
-    counts = [next(numbers) for _ in range(shape[0])]
-    gaps = [next(numbers) for _ in range(sum(counts))]
-    values = [next(numbers) for _ in range(sum(counts))]
-    grid, steps, at = np.zeros(shape[1] * shape[2], np.int64), [], 0
-    for count in counts:
-        cell = 0
-        for _ in range(count):
-            cell += gaps[at]
-            grid[cell] = values[at]
-            at += 1
-        steps.append(grid.copy())
-    return np.array(steps).reshape(shape)
 
 
 def finer(replay: Recording, frame_s: float, world: str) -> Recording:

@@ -224,6 +224,12 @@ def test_the_browsers_code_reads_the_same(make_run: MakeRun, world: str, frame_s
     logged = pl.read_parquet(folder / "steps.parquet").filter(world=world, episode=0).sort("step")
     shares = logged.select("pta_d", "pta_c").to_numpy()[: len(replay.item_present)]
     np.testing.assert_allclose(said["shares"], shares, atol=1e-9)
+    stored = frame[:3].astype(int)
+    np.testing.assert_allclose(said["winds"][:3], replay.track_wind[stored], atol=0.0055)
+    layers = said["minds"][0, : len(replay.belief)]  # (step, layer, node)
+    levels = np.rint(15 * replay.idleness.astype(np.float32))
+    for layer, values in enumerate((replay.belief, levels, replay.in_view)):
+        np.testing.assert_array_equal(layers[:, layer], values.reshape(len(values), -1))
     both_ways = np.concatenate([replay.belief, replay.belief[::-1]])
     assert (said["belief"] == both_ways.reshape(len(both_ways), -1)).all()
 

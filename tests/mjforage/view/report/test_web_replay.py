@@ -1,9 +1,8 @@
-"""The interactive replay's data: what goes into the page comes out of it again, small."""
+"""The interactive replay's data: which episodes, how large, in which order."""
 
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from mjforage.base.atomic_files import write_bytes
@@ -15,11 +14,7 @@ from mjforage.view.report.web_replay import web_replay
 from tests.mjforage.view.report.replay_data import (
     MakeRun,
     entry_of,
-    read_layer,
-    read_track,
     shown,
-    unpacked,
-    with_link,
     with_physics,
 )
 
@@ -28,38 +23,6 @@ def test_the_last_frame_is_kept() -> None:
     assert thinned(7, 3).tolist() == [0, 3, 6]
     assert thinned(8, 3).tolist() == [0, 3, 6, 7]
     assert thinned(1, 4).tolist() == [0]
-
-
-def test_a_replay_comes_back_within_its_units(make_run: MakeRun) -> None:
-    folder = make_run(worlds=("graph", "physics"), policies=("greedy",), episodes=1)
-    replay = with_physics(folder)
-    entry = entry_of(shown(folder), "physics")
-    numbers = unpacked(entry["text"])
-    steps, items = replay.item_present.shape
-    frames, agents = replay.track_pose.shape[:2]
-    assert (entry["frames"], entry["items"], entry["steps"]) == (frames, items, steps - 1)
-    assert (entry["pose_stride"], entry["item_stride"]) == (1, 2)
-    kept = thinned(frames, 2)
-    place = read_track(numbers, 2 * agents, frames, 0.01).reshape(agents, 2, frames)
-    yaw = read_track(numbers, agents, frames, 0.01)
-    item = read_track(numbers, 2 * items, len(kept), 0.01).reshape(items, 2, len(kept))
-    wind = read_track(numbers, 2, len(kept), 0.01)
-    np.testing.assert_allclose(np.moveaxis(place, -1, 0), replay.track_pose[..., :2], atol=0.0051)
-    turn = yaw.T - replay.track_pose[..., 2]
-    np.testing.assert_allclose(np.cos(turn), 1.0, atol=2e-5)  # half a unit and whole turns
-    assert np.abs(np.diff(yaw, axis=1)).max() < np.pi
-    np.testing.assert_allclose(np.moveaxis(item, -1, 0), replay.track_items[kept], atol=0.0051)
-    np.testing.assert_allclose(wind.T, replay.track_wind[kept], atol=0.0051)
-    removed = [next(numbers) for _ in range(items)]
-    assert removed == replay.track_present.sum(axis=0).tolist()
-    (case,) = [one for one in load_logs(folder).cases if one.world == "physics"]
-    logged = case.items().sort("item")["t_discovered"]
-    assert [next(numbers) for _ in range(items)] == logged.fill_null(steps).to_list()
-    shape = replay.belief.shape
-    assert (read_layer(numbers, shape) == replay.belief).all()
-    assert (np.abs(read_layer(numbers, shape) / 15 - replay.idleness) <= 0.5 / 15 + 1e-3).all()
-    assert (read_layer(numbers, shape) == replay.in_view).all()
-    assert next(numbers, None) is None
 
 
 def test_a_full_episode_stays_small(make_run: MakeRun) -> None:
@@ -173,32 +136,3 @@ def test_a_replay_of_another_run_is_refused(
     write_bytes(path, change(Recording.load(path)).content())
     with pytest.raises(UserError, match=r"greedy-0\.npz: (is not of the run|.* does not fit)"):
         web_replay({"": folder})
-
-
-def test_what_each_vessel_knows_follows_what_all_know(make_run: MakeRun) -> None:
-    """Behind the data of an episode without a link, which stay as they are."""
-    folder = make_run(policies=("greedy",), episodes=1)
-    alone = entry_of(shown(folder), "graph")
-    replay = with_link(folder)
-    assert replay.knowledge is not None
-    entry = entry_of(shown(folder), "graph")
-    assert (alone["forgetting"], entry["forgetting"]) == (None, 0.05)
-    before, numbers = list(unpacked(alone["text"])), unpacked(entry["text"])
-    assert [next(numbers) for _ in before] == before
-    agents, items = replay.knowledge.known_from.shape
-    steps = len(replay.knowledge.changes)
-    known = [next(numbers) - 1 for _ in range(agents * items)]
-    assert known == replay.knowledge.known_from.ravel().tolist()
-    np.testing.assert_array_equal(
-        read_layer(numbers, (steps, agents, agents)), replay.knowledge.received
-    )
-    pairs = read_layer(numbers, (steps, agents, agents))
-    np.testing.assert_array_equal(pairs > 0, replay.knowledge.linked)
-    np.testing.assert_array_equal(np.maximum(pairs - 1, 0), replay.knowledge.lost)
-    for agent in range(agents):
-        belief, seen = replay.knowledge.maps(agent, replay.navigable.size)
-        shape = (steps, *replay.navigable.shape)
-        np.testing.assert_array_equal(read_layer(numbers, shape), belief.reshape(shape))
-        last = np.where(seen < 0, 0, seen.astype(int) + 1)
-        np.testing.assert_array_equal(read_layer(numbers, shape), last.reshape(shape))
-    assert next(numbers, None) is None
