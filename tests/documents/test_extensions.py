@@ -46,11 +46,6 @@ def test_a_number_is_one(text: str) -> None:
     assert extension("numbers_whole").NUMBER.fullmatch(text)
 
 
-@pytest.mark.parametrize("text", ["greedy", "never", "–", "", "two of 3", "0 to K / (n T)"])
-def test_words_are_none(text: str) -> None:
-    assert not extension("numbers_whole").NUMBER.fullmatch(text)
-
-
 def test_a_field_of_a_named_tuple_is_told_by_its_comment() -> None:
     from mjforage.mission.task import Observation
 

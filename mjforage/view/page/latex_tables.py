@@ -4,15 +4,13 @@ The text compiles with pdflatex and the packages of `NEEDED`, whatever policies 
 """
 
 import re
-import unicodedata
 from collections.abc import Iterator, Sequence
 
 from mjforage.base.references import file_label
 from mjforage.view.page.marked_words import CODE, SUBSCRIPT
 from mjforage.view.page.table import Row, Table, groups
 
-NEEDED = ("array", "booktabs", "graphicx")
-LONG = 44  # lines that a page has room for
+NEEDED = ("adjustbox", "array", "booktabs")
 WIDE = 4  # columns from which on intervals stand below their numbers
 HEAD = 40  # letters of a row's head or a group's that is broken into lines
 
@@ -46,36 +44,25 @@ _PAIR = re.compile(r"(?P<mean>.+?)(?P<rest> (?:±|\().+)", re.DOTALL)
 
 
 def latex_text(table: Table) -> str:
-    """A table as LaTeX, to be read with input: one float, or where it is long several.
-
-    A float is made smaller where the line is too short for it.
-    """
+    """A table as LaTeX, to be read with input: a float, made smaller where a page has less room."""
     packages = ",".join(NEEDED)
-    first = f"% needs \\usepackage[T1]{{fontenc}} and \\usepackage{{{packages}}}"
-    lines = list(_lines(table))
-    most = LONG // (1 + any("\n" in line for line in lines))
-    starts = range(0, max(len(lines), 1), most)
-    parts = [_float(table, lines[k : k + most], continued=k > 0) for k in starts]
-    return "\n".join([first, *(line for part in parts for line in part), *_notes(table)]) + "\n"
-
-
-def _float(table: Table, lines: Sequence[str], *, continued: bool) -> list[str]:
-    """Some of the lines; the first float has the name that is referred to."""
-    words = latex(f"{table.title} (continued)" if continued else table.title)
-    label = "" if continued else rf"\label{{tab:{file_label(table.name)}}}"
-    return [
+    lines = [
+        f"% needs \\usepackage[T1]{{fontenc}} and \\usepackage{{{packages}}}",
         r"\begin{table}[htbp]",
         r"\centering\small\setlength{\tabcolsep}{4pt}",
-        rf"\caption{{{words}}}{label}",
-        r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%",
+        rf"\caption{{{latex(table.title)}}}\label{{tab:{file_label(table.name)}}}",
+        r"\begin{adjustbox}{max width=\linewidth, max totalheight=0.85\textheight}",
         rf"\begin{{tabular}}{{{_columns(table)}}}",
         r"\toprule",
         *_head(table),
-        *lines,
+        *_lines(table),
         r"\bottomrule",
-        r"\end{tabular}}",
+        r"\end{tabular}",
+        r"\end{adjustbox}",
         r"\end{table}",
+        *_notes(table),
     ]
+    return "\n".join(lines) + "\n"
 
 
 def _columns(table: Table) -> str:
@@ -173,9 +160,4 @@ def _set(sign: str) -> str:
     """A sign that needs no escape; one that the fonts lack by its code point."""
     if _LATIN.fullmatch(sign):
         return sign
-    if sign.isspace():
-        return " "
-    plain = unicodedata.normalize("NFKC", sign)
-    if plain == sign or not plain.isascii():
-        return rf"\texttt{{U+{ord(sign):04X}}}"
-    return "".join(_SIGNS.get(one, one) for one in plain)
+    return " " if sign.isspace() else rf"\texttt{{U+{ord(sign):04X}}}"

@@ -11,24 +11,8 @@ def test_order_is_fixed_and_unknown_names_come_last() -> None:
     assert style.ordered(["zebra", "levy", "ape", "greedy"]) == ("greedy", "levy", "zebra", "ape")
 
 
-def test_shipped_and_unknown_policies_have_distinct_colours() -> None:
-    unknown = [f"own-{i}" for i in range(len(style.FALLBACK_COLOURS))]
-    looks = style.policy_styles([*style.POLICY_COLOURS, *unknown])
-    assert len({look.colour for look in looks.values()}) == len(looks)
-
-
-def test_worlds_have_distinct_lines() -> None:
-    lines = style.world_lines(["graph", "physics", "tank"])
-    assert len(set(lines.values())) == 3
-    assert lines["graph"] == "-"
-
-
 def test_agent_colours_tell_roles_apart() -> None:
     colours = style.agent_colours(["scout", "scout", "forager", "tender"])
     assert len(set(colours)) == 4
     assert set(colours[:2]) <= set(style.ROLE_SHADES["scout"])
     assert colours[3] not in {s for shades in style.ROLE_SHADES.values() for s in shades}
-
-
-def test_the_colour_of_a_role_does_not_depend_on_company() -> None:
-    assert style.agent_colours(["tender"]) == style.agent_colours(["scout", "tender"])[1:]

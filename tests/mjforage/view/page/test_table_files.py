@@ -80,7 +80,7 @@ def test_latex_compiles(tmp_path: Path, rows: int) -> None:
     lines = [Row(SPECIAL, ("1 ± 2",) * 5, group=str(i // 9), note=SPECIAL) for i in range(rows)]
     table = Table("t", SPECIAL, (SPECIAL,) * 5, tuple(lines), (SPECIAL,), ("%",) * 5)
     write_table(table, tmp_path, ["latex"])
-    packages = "[T1]{fontenc}\\usepackage{array,booktabs,graphicx}"
+    packages = "[T1]{fontenc}\\usepackage{adjustbox,array,booktabs}"
     whole = f"\\documentclass{{article}}\\usepackage{packages}\\begin{{document}}\\input{{t}}"
     (tmp_path / "all.tex").write_text(whole + "\\end{document}")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "all.tex"]
@@ -91,18 +91,6 @@ def test_latex_compiles(tmp_path: Path, rows: int) -> None:
 def test_latex_says_which_way_is_better() -> None:
     table = Table("t", "T", ("up", "down", "own"), (Row("x", ("1",) * 3),), better=(1, -1, 0))
     assert r"up $\uparrow$ & down $\downarrow$ & own \\" in latex_text(table)
-
-
-def test_long_tables_come_in_floats_that_hold_every_row_once() -> None:
-    names = [f"row {number:03d}" for number in range(60)]
-    rows = tuple(Row(name, ("1",)) for name in names)
-    text = latex_text(Table("t", "T", ("a",), rows, ("once",)))
-    parts = text.split("\\begin{table}")[1:]
-    assert len(parts) == 2 and text.count("label{tab:t}") == text.count("once") == 1
-    assert all(text.count(name) == 1 for name in names)
-    wide = Table("w", "W", ("a",) * 5, (Row("x", ("1.5 ± 2.5",) * 5),) * 30)
-    assert latex_text(wide).count("begin{tabular}") == 2, "two lines a row"
-    assert all(r"\toprule" in part and r"\bottomrule" in part for part in parts)
 
 
 def test_markdown_has_a_cell_per_column_and_the_best_in_bold() -> None:

@@ -54,14 +54,6 @@ def test_a_fitted_view_shows_all_of_the_area_in_the_middle(
     np.testing.assert_allclose(seen.min(axis=0) + seen.max(axis=0), 0.0, atol=1e-3)
 
 
-def test_top_is_north_up_and_almost_without_perspective() -> None:
-    view = cameras.top(about(straight_track(0.0)), 0.0)
-    np.testing.assert_allclose(view.right, [1, 0, 0], atol=1e-9)
-    np.testing.assert_allclose(view.up, [0, 1, 0], atol=1e-6)
-    low, high = view.project(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 5.0]]), ASPECT)
-    assert np.abs(low - high)[:2].max() < 0.01
-
-
 @pytest.mark.parametrize(("yaw", "north_deg"), [(0.0, -90.0), (0.5 * np.pi, 0.0), (np.pi, 90.0)])
 def test_north_is_beside_what_a_following_camera_looks_at(yaw: float, north_deg: float) -> None:
     """Eastward, north is to the left."""

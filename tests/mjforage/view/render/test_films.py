@@ -176,17 +176,6 @@ def test_the_shorter_one_stays_at_its_end_while_the_other_goes_on(
     assert (at_end[strip] != later[strip]).any(), "the clock goes on"
 
 
-def test_films_of_odd_widths_gifs_and_series_are_written(
-    recording: Recording, shorter: Recording, tmp_path: Path
-) -> None:
-    options: dict[str, Any] = {"beside": shorter, "fps": 5.0, "speed": 20.0, "size": (321, 241)}
-    for name in ("a.mp4", "a.gif", "b-%02d.png"):
-        assert render_recording(recording, tmp_path / name, **options) == 26
-    with av.open(str(tmp_path / "a.mp4")) as film:
-        frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
-    assert len(frames) == 26 and frames[0].shape == (242, 322, 3)
-
-
 @pytest.mark.usefixtures("opengl")
 @pytest.mark.parametrize("camera", ["overview", "chase", "top"])
 def test_mujoco_draws_both(

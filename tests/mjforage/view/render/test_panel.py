@@ -16,7 +16,6 @@ from mjforage.view.render.panel import (
     mission_clock,
     paint_notes,
     paint_signs,
-    short_name,
 )
 from mjforage.view.render.tags import Tags
 
@@ -115,11 +114,6 @@ def test_signs_look_as_on_the_map(recording: Recording, said: list[str]) -> None
     assert tuple(rows[3][11, 33]) == palette.HAZY_DEEP
     for row, colour in zip(rows[4:], (palette.SCOUT, palette.FORAGER), strict=True):
         assert np.abs(row - colour).max(axis=2).min() < 12.0
-
-
-def test_a_class_of_a_user_is_named_without_its_module() -> None:
-    assert short_name("my_policies:Homing(heading=4)") == "Homing(heading=4)"
-    assert short_name("belief(items=30)") == "belief(items=30)"
 
 
 @pytest.mark.parametrize(

@@ -3,12 +3,10 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
 from mjforage.runs.episode_recording import Recording
@@ -159,15 +157,6 @@ def test_a_vessel_is_faded_where_it_was_last_heard_of(apart: Recording) -> None:
     assert share(ago, palette.INK, 40.0) > 0.02, "30 s ago"
 
 
-def test_items_that_it_does_not_know_are_dim(apart: Recording) -> None:
-    views = [drawn(seen_by(apart, name)) for name in ("all", "foragers_0")]
-    first, second = (
-        [around(v.picture(4.0), v, rc, 2).mean() for v in views] for rc in ((5, 5), (10, 10))
-    )
-    assert first[1] > second[1] + 10.0, "in the forager's own picture"
-    assert second[0] > second[1] + 10.0, "and by what all know"
-
-
 def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Recording) -> None:
     assert apart.knowledge is not None
     nothing = np.zeros_like(apart.knowledge.lost)
@@ -195,17 +184,3 @@ def test_the_panel_has_a_sign_for_contacts_and_one_for_losses(apart: Recording) 
     rows = [image[22 * n : 22 * n + 22, :36].astype(float) for n in (4, 5)]
     away = [np.abs(row - palette.LOST).max(axis=2).min() for row in rows]
     assert away[1] < 30.0 < away[0], "in contact, then lost, in red"
-
-
-@pytest.mark.usefixtures("opengl")
-def test_a_film_through_mujoco_shows_it_too(
-    apart: Recording, refine: Build, tmp_path: Path
-) -> None:
-    frames = []
-    for name in ("all", "foragers_0"):
-        options: dict[str, Any] = {"seen_by": name, "size": (960, 540), "start_s": 40.0}
-        assert render_recording(refine(apart), tmp_path / "a.png", **options) == 1
-        frames.append(np.asarray(PilImage.open(tmp_path / "a.png")).astype(float))
-    differ = np.abs(frames[0] - frames[1]).max(axis=2) > 30.0
-    assert differ[:, :214].mean() > 0.1, "the chart"
-    assert 0.0 < differ[:, 214:].mean() < 0.05, "beside it only items that it does not know"

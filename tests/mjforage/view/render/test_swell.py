@@ -20,13 +20,6 @@ def test_slopes_have_the_asked_strength_and_no_mean() -> None:
     np.testing.assert_allclose(slopes.mean(axis=(0, 1)), 0.0, atol=1e-6)
 
 
-def test_waves_move_and_depend_on_nothing_but_the_time() -> None:
-    swell = Swell(16.0, 64, 0.1)
-    later = swell.slopes(1.0)
-    assert np.abs(later - swell.slopes(0.0)).max() > 0.05
-    np.testing.assert_array_equal(later, Swell(16.0, 64, 0.1).slopes(1.0))
-
-
 def test_a_wave_comes_back_after_its_period() -> None:
     """A single wave of length L turns once in sqrt(2 pi L / g)."""
     swell = Swell(16.0, 64, 0.1)

@@ -44,16 +44,12 @@ def lengths_of(folder: Path) -> dict[str, float]:
 
 def test_hulls_are_as_long_as_those_that_ran(make_run: MakeRun) -> None:
     folder = make_run(policies=("greedy",), episodes=1)
-    lengths = {
-        agent["name"]: agent["length_m"] for agent in shown(folder).data["runs"][0]["agents"]
-    }
+    lengths = lengths_of(folder)
     assert (lengths["scouts_0"], lengths["foragers_0"]) == (1.35, 2.0)
     run = json.loads((folder / "run.json").read_text())
     run["hulls"] = {"vessels": {"scout": {"length_m": 3.5}}}
     (folder / "run.json").write_text(json.dumps(run))
-    lengths = {
-        agent["name"]: agent["length_m"] for agent in shown(folder).data["runs"][0]["agents"]
-    }
+    lengths = lengths_of(folder)
     assert (lengths["scouts_0"], lengths["foragers_0"]) == (3.5, 2.0)
     run["hulls"]["vessels"]["scout"] = {"length_m": "long"}
     (folder / "run.json").write_text(json.dumps(run))
