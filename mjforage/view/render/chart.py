@@ -9,7 +9,7 @@ from mjforage.view.render import palette, symbols
 from mjforage.view.render.ground import Field, Ground, fields_at, paint_ground, resized
 from mjforage.view.render.links import paint_links, write_lost
 from mjforage.view.render.raster import Floats, Image, paint_rings
-from mjforage.view.render.seen_by import age_of, last_heard
+from mjforage.view.render.seen_by import age_of, last_received
 from mjforage.view.render.text import write
 from mjforage.view.render.timeline import Timeline
 from mjforage.view.render.track import FADE_PART, Track
@@ -105,12 +105,12 @@ class Chart:
         first = max(0.0, time - TRAIL_STEPS)
         inner = np.arange(np.floor(first) + 1.0, np.ceil(time))
         times = np.concatenate([[first], inner, [time]]) * self._recording.period_s
-        for agent in np.flatnonzero(last_heard(self._recording, _step(time)) == _step(time)):
+        for agent in np.flatnonzero(last_received(self._recording, _step(time)) == _step(time)):
             way = self.place(self._track.way(int(agent), times)[:, :2])
             symbols.paint_trail(image, way, self._length, self._colours[agent])
 
     def _paint_beliefs(self, image: Image, before: int, after: int, part: float) -> None:
-        """Nodes fill and empty at the end of a step, when the fleet has looked."""
+        """Nodes fill and empty at the end of a step, when the fleet has scanned."""
         late = max(0.0, (part - 1.0 + FADE_PART) / FADE_PART)
         old, new = self._recording.belief[before], self._recording.belief[after]
         row, column = np.nonzero((old > 0) | (new > 0))
@@ -135,19 +135,22 @@ class Chart:
     def _paint_vessels(self, image: Image, time: float, vessels: Floats) -> None:
         """Vessels in contact as they are; others in outline, and faded at their last position."""
         recording, step, length = self._recording, _step(time), self._length
-        heard = last_heard(recording, step)
-        for agent in np.lexsort((~recording.agent_collects, heard == step)):
-            looks = bool(recording.agent_collects[agent]), self._colours[agent]
+        received = last_received(recording, step)
+        for agent in np.lexsort((~recording.agent_collects, received == step)):
+            symbol = bool(recording.agent_collects[agent]), self._colours[agent]
             place, course = vessels[agent, :2], float(vessels[agent, 2])
             if agent == self._followed:
-                self._paint_mark(image, place, looks[1])
-            if heard[agent] == step:
-                symbols.paint_hull(image, place, course, length, *looks)
+                self._paint_mark(image, place, symbol[1])
+            if received[agent] == step:
+                symbols.paint_hull(image, place, course, length, *symbol)
                 continue
-            symbols.paint_outline(image, place, course, length, *looks)
-            x, y, course = self._vessels(float(heard[agent]))[agent]
-            symbols.paint_stale(image, np.array((x, y)), course, length, *looks)
-            size, ago = max(9, round(12 * self._unit)), age_of(recording, time, int(heard[agent]))
+            symbols.paint_outline(image, place, course, length, *symbol)
+            x, y, course = self._vessels(float(received[agent]))[agent]
+            symbols.paint_stale(image, np.array((x, y)), course, length, *symbol)
+            size, ago = (
+                max(9, round(12 * self._unit)),
+                age_of(recording, time, int(received[agent])),
+            )
             write(image, f"{ago} ago", x, y + 0.55 * length + size, size, bold=True, align="middle")
 
     def _paint_mark(self, image: Image, place: Floats, colour: palette.Colour) -> None:

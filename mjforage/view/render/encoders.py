@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Frames = Iterator[NDArray[np.uint8]]
-HELD = 12  # of 255: by how much a GIF's colour may differ from the frame's and stay
+STEADY = 12  # of 255: by how much a GIF's colour may differ from the frame's and stay
 _MP4 = (
     ("libx264", {"preset": "veryfast", "crf": "19"}),
     ("libopenh264", {"b": "8000000"}),
@@ -40,7 +40,7 @@ def write_gif(frames: Frames, path: Path, fps: float) -> int:
     """Write frames, at least one, as an endless GIF with one palette.
 
     The palette is known only after the last frame, so frames wait in a lossless film beside `path`.
-    A pixel keeps its colour until red, green or blue is off by more than `HELD`, for GIF stores
+    A pixel keeps its colour until red, green or blue is off by more than `STEADY`, for GIF stores
     what changes: glittering water makes films tenfold.
 
     Raises
@@ -51,7 +51,7 @@ def write_gif(frames: Frames, path: Path, fps: float) -> int:
     film = path.with_name(f"{path.name}.mkv")
     try:
         with av.open(str(film), "w", format="matroska") as container:
-            encoded = _encode(held(frames), container, "ffv1", Fraction(25), "bgr0", {})
+            encoded = _encode(steadied(frames), container, "ffv1", Fraction(25), "bgr0", {})
             count, palette = _palette(encoded)
         with av.open(str(film)) as source, av.open(str(path), "w", format="gif") as container:
             _paint(source, container, palette, fps)
@@ -60,16 +60,16 @@ def write_gif(frames: Frames, path: Path, fps: float) -> int:
         film.unlink(missing_ok=True)
 
 
-def held(frames: Frames) -> Frames:
-    """Yield frames (height, width, 3) whose pixels stay until they are off by more than `HELD`."""
-    shown = None
+def steadied(frames: Frames) -> Frames:
+    """Yield frames (height, width, 3); a pixel stays until it is off by more than `STEADY`."""
+    steady = None
     for frame in frames:
-        if shown is None:
-            shown = frame.copy()  # its owner may paint over it
+        if steady is None:
+            steady = frame.copy()  # its owner may paint over it
         else:
-            off = np.maximum(frame, shown) - np.minimum(frame, shown)
-            shown = np.where((off > HELD).any(axis=-1, keepdims=True), frame, shown)
-        yield shown
+            off = np.maximum(frame, steady) - np.minimum(frame, steady)
+            steady = np.where((off > STEADY).any(axis=-1, keepdims=True), frame, steady)
+        yield steady
 
 
 def _encode(

@@ -95,17 +95,17 @@ def render_recording(
     name = _camera_of(recording, camera)
     if speed is None:
         speed = CAMERAS[name].steps_per_film_s * recording.period_s
-    shown = [as_seen_by(each, seen_by) for each in (recording, beside) if each is not None]
+    recordings = [as_seen_by(each, seen_by) for each in (recording, beside) if each is not None]
     if beside is not None:
         check_beside(recording, beside)
-    longest = max(shown, key=lambda each: len(each.agent_rc))
+    longest = max(recordings, key=lambda each: len(each.agent_rc))
     times = frame_times(longest, start_s=start_s, duration_s=duration_s, fps=fps, speed=speed)
     still = path.suffix.lower() == ".png" and not is_numbered(path)
     times = times[:1] if still else times
     frame_size = _checked_size(size)
     with ExitStack() as opened:
         how = name, follow, speed, _STILL_DETAIL if still else 1
-        film = _film_frames(shown, frame_size, *how, opened)
+        film = _film_frames(recordings, frame_size, *how, opened)
         return write_video(_frames(film, times, progress), path, fps)
 
 
@@ -126,11 +126,11 @@ def render_frame(
     """
     name = _camera_of(recording, camera)
     speed = CAMERAS[name].steps_per_film_s * recording.period_s
-    shown = [as_seen_by(recording, seen_by)]
-    [time, *_] = frame_times(shown[0], start_s=time_s, fps=1.0, speed=speed)
+    recordings = [as_seen_by(recording, seen_by)]
+    [time, *_] = frame_times(recordings[0], start_s=time_s, fps=1.0, speed=speed)
     with ExitStack() as opened:
         how = name, follow, speed, _STILL_DETAIL
-        return _film_frames(shown, _checked_size(size), *how, opened).frame(float(time)).copy()
+        return _film_frames(recordings, _checked_size(size), *how, opened).frame(float(time)).copy()
 
 
 def _camera_of(recording: Recording, camera: str | None) -> str:
@@ -142,7 +142,7 @@ def _camera_of(recording: Recording, camera: str | None) -> str:
 
 
 def _film_frames(
-    shown: list[Recording],
+    recordings: list[Recording],
     size: tuple[int, int],
     camera: str,
     follow: str | None,
@@ -151,11 +151,11 @@ def _film_frames(
     opened: ExitStack,
 ) -> FilmFrame:
     """Frames of one episode or of two, by the drawing for their world and camera."""
-    if (shown[0].world, camera) != ("graph", "top"):
-        return _through_mujoco(shown, size, camera, follow, speed, detail, opened)
+    if (recordings[0].world, camera) != ("graph", "top"):
+        return _through_mujoco(recordings, size, camera, follow, speed, detail, opened)
     if follow is not None:
         raise UserError(f"follow {follow}: camera top follows nobody; choose chase or scout")
-    return map_film(shown, size)
+    return map_film(recordings, size)
 
 
 def frame_times(
@@ -190,11 +190,13 @@ def frame_times(
     step_per_frame = speed / fps / period_s
     count = int(duration_s / period_s / step_per_frame + _TOLERANCE) + 1
     times = start_s / period_s + step_per_frame * np.arange(count, dtype=np.float64)
-    shown: NDArray[np.float64] = np.minimum(times, length)
-    return shown
+    within: NDArray[np.float64] = np.minimum(times, length)
+    return within
 
 
-def map_film(shown: list[Recording], size: tuple[int, int], most: int | None = None) -> FilmFrame:
+def map_film(
+    recordings: list[Recording], size: tuple[int, int], most: int | None = None
+) -> FilmFrame:
     """Frames of the plain drawing from above, of one episode or two side by side.
 
     Parameters
@@ -202,17 +204,17 @@ def map_film(shown: list[Recording], size: tuple[int, int], most: int | None = N
     size : width and height [pixel]
     most : count of believed items that is drawn darkest, by default the largest
     """
-    layout = _layout(shown, size, shape_of(shown[0]), charted=False)
-    most = most or palette.most_believed(*(one.belief for one in shown))
+    layout = _layout(recordings, size, shape_of(recordings[0]), charted=False)
+    most = most or palette.most_believed(*(one.belief for one in recordings))
     pictures = [
         MapView(one, _whole(box), most=most)
-        for one, box in zip(shown, layout.pictures, strict=True)
+        for one, box in zip(recordings, layout.pictures, strict=True)
     ]
-    return FilmFrame(shown, pictures, size, layout, drawn=True)
+    return FilmFrame(recordings, pictures, size, layout, drawn=True)
 
 
 def _through_mujoco(
-    shown: list[Recording],
+    recordings: list[Recording],
     size: tuple[int, int],
     camera: str,
     follow: str | None,
@@ -223,23 +225,23 @@ def _through_mujoco(
     """Frames that MuJoCo draws of one episode, or of two side by side; `opened` closes them."""
     from mjforage.view.render.harbour_view import HarbourView, water_area  # loads MuJoCo
 
-    shape = None if CAMERAS[camera].follows else water_area(shown[0]).shape
-    layout = _layout(shown, size, shape, charted=True)
+    shape = None if CAMERAS[camera].follows else water_area(recordings[0]).shape
+    layout = _layout(recordings, size, shape, charted=True)
     view: HarbourView | None = None
     pictures: list[EpisodeView] = []
     # The right one comes first: it is larger, and the left one draws on its canvas.
-    for recording, box in list(zip(shown, layout.pictures, strict=True))[::-1]:
+    for recording, box in list(zip(recordings, layout.pictures, strict=True))[::-1]:
         kind = recording, camera, *_whole(box)
         view = HarbourView(*kind, follow=follow, speed=speed, detail=detail, shares=view)
         pictures.insert(0, opened.enter_context(view))
-    return FilmFrame(shown, pictures, size, layout, drawn=False)
+    return FilmFrame(recordings, pictures, size, layout, drawn=False)
 
 
 def _layout(
-    shown: list[Recording], size: tuple[int, int], shape: float | None, *, charted: bool
+    recordings: list[Recording], size: tuple[int, int], shape: float | None, *, charted: bool
 ) -> Layout:
-    signs = len(sign_words(shown[0], 2, drawn=not charted))
-    return frame_layout(*size, len(shown), shape, signs, charted)
+    signs = len(sign_words(recordings[0], 2, drawn=not charted))
+    return frame_layout(*size, len(recordings), shape, signs, charted)
 
 
 def _whole(box: Box) -> tuple[int, int]:

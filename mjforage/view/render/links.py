@@ -7,7 +7,7 @@ from mjforage.view.render import palette
 from mjforage.view.render.raster import Floats, Image, paint_stroke
 from mjforage.view.render.text import write
 
-_DASH, _GAP = 6.0, 4.0  # of a link that lost looks [unit]
+_DASH, _GAP = 6.0, 4.0  # of a link that lost scans [unit]
 _COUNT_SIZE, _COUNT_AWAY = 12.0, 12.0  # of the count beside it [unit]
 
 

@@ -30,16 +30,16 @@ def seen_by(recording: Recording, name: str) -> Recording:
             f"seen by {name}: without a link all know the same; choose {EVERYBODY}, or a run with "
             "one (--set link.model=disk)"
         )
-    agent, held = names.index(name), recording.knowledge
-    belief, seen = held.maps(agent, recording.navigable.size)
-    idleness = np.where(recording.navigable.ravel(), held.idleness(seen), np.float16(0))
+    agent, record = names.index(name), recording.knowledge
+    belief, seen = record.maps(agent, recording.navigable.size)
+    idleness = np.where(recording.navigable.ravel(), record.idleness(seen), np.float16(0))
     shape, now = recording.belief.shape, np.arange(len(seen), dtype=np.int16)[:, None]
     return replace(
         recording,
         belief=belief.reshape(shape),
         idleness=idleness.reshape(shape),
         in_view=np.where((seen == now).reshape(shape), recording.in_view, np.uint8(0)),
-        knowledge=replace(held, viewer=agent),
+        knowledge=replace(record, viewer=agent),
     )
 
 
@@ -50,8 +50,8 @@ def shown_name(recording: Recording) -> str:
     return recording.labels[recording.knowledge.viewer]
 
 
-def last_heard(recording: Recording, step: int) -> NDArray[np.int64]:
-    """(agent,) step of the newest look of each that is known by `step` to whom is drawn."""
+def last_received(recording: Recording, step: int) -> NDArray[np.int64]:
+    """(agent,) step of the newest scan of each that the vessel drawn has received by `step`."""
     record = recording.knowledge
     if record is None or record.viewer < 0:
         return np.full(len(recording.agent_team), step, np.int64)
@@ -59,6 +59,6 @@ def last_heard(recording: Recording, step: int) -> NDArray[np.int64]:
     return newest
 
 
-def age_of(recording: Recording, time: float, heard: int) -> str:
-    """Age at `time` [step] of a scan of step `heard`, in words."""
-    return f"{(time - heard) * recording.period_s + 1e-6:.0f} s"
+def age_of(recording: Recording, time: float, received: int) -> str:
+    """Age at `time` [step] of a scan of step `received`, in words."""
+    return f"{(time - received) * recording.period_s + 1e-6:.0f} s"

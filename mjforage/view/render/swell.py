@@ -1,7 +1,7 @@
 """Small waves on harbour water: a periodic patch of the sea, from its spectrum at any time.
 
 Sum of waves with the deep-water dispersion omega^2 = g k, made by one inverse Fourier transform
-(J. Tessendorf, "Simulating Ocean Water", SIGGRAPH course notes, 2001). Only the looks of films use
+(J. Tessendorf, "Simulating Ocean Water", SIGGRAPH course notes, 2001). Only films use
 it; nothing floats on it.
 """
 
@@ -33,13 +33,13 @@ class Swell:
         self._start *= np.float32(slope_rms / float(np.sqrt((slopes**2).mean())))
 
     def _spectrum(self, k: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Amplitudes: slopes even over the wavelengths kept, running mostly with the wind."""
+        """Amplitudes: slopes even over the wavelengths used, running mostly with the wind."""
         safe = np.where(k > 0.0, k, 1.0)
         along = (self._kx * np.cos(_WIND_RAD) + self._ky * np.sin(_WIND_RAD)) / safe
         length = 2.0 * np.pi / (safe * self.side_m)
-        kept = (k > 0.0) & (length < _LONGEST) & (length > _SHORTEST)
+        used = (k > 0.0) & (length < _LONGEST) & (length > _SHORTEST)
         with_wind = np.clip(0.5 + 0.5 * along, 0.0, 1.0) ** _SPREAD
-        return np.where(kept, with_wind / safe**2, 0.0)
+        return np.where(used, with_wind / safe**2, 0.0)
 
     def slopes(self, time_s: float) -> NDArray[np.float32]:
         """(size, size, 2) slopes along x and y; row along y, column along x, from the corner."""

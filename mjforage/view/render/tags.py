@@ -28,25 +28,25 @@ class Tags:
         places : (agent, 2) middles of vessels in the picture [pixel]; not numbers get no name
         radius : (agent,) that they reach from there [pixel]
         """
-        shown = np.asarray(np.isfinite(places).all(axis=1))
+        visible = np.asarray(np.isfinite(places).all(axis=1))
         low, high = places - radius[:, None], places + radius[:, None]
-        taken = [tuple(box) for box in np.column_stack((low, high))[shown].tolist()]
+        occupied = [tuple(box) for box in np.column_stack((low, high))[visible].tolist()]
         for number, (x, y) in enumerate(places.tolist()):
-            if shown[number]:
+            if visible[number]:
                 words = self._labels[number]
-                box = self._free_box(x, y - radius[number] - 2.0 * self._unit, words, taken)
-                taken.append(box)
+                box = self._free_box(x, y - radius[number] - 2.0 * self._unit, words, occupied)
+                occupied.append(box)
                 self._paint_tag(image, box, words, self._colours[number])
 
     def _free_box(
-        self, x: float, y: float, words: str, taken: list[tuple[float, float, float, float]]
+        self, x: float, y: float, words: str, occupied: list[tuple[float, float, float, float]]
     ) -> tuple[float, float, float, float]:
         """Room for a tag above a point, higher up where others are in the way."""
         u = self._unit
         wide, high = width(words, text_size(self._unit, 12.5), bold=True) + 15 * u, 18 * u
         left = min(max(x - 0.5 * wide, 2.0), self._width - wide - 2.0)
         top = y - high
-        for other in sorted(taken, key=lambda box: -box[1]):
+        for other in sorted(occupied, key=lambda box: -box[1]):
             beside = left >= other[2] or other[0] >= left + wide
             above = top >= other[3] + 2 * u or other[1] >= top + high + 2 * u
             if not beside and not above:

@@ -25,11 +25,11 @@ class Timeline:
     def of(cls, recording: Recording) -> "Timeline":
         """Events of a recording; discoveries are as they were logged."""
         steps, items = recording.item_present.shape
-        gone, held = ~recording.item_present, recording.knowledge
+        gone, record = ~recording.item_present, recording.knowledge
         removed = np.where(gone.any(axis=0), gone.argmax(axis=0), NEVER)
         discovered = known = _or_never(recording.t_discovered)
-        if held is not None and held.viewer >= 0:
-            known = _or_never(held.known_from[held.viewer])
+        if record is not None and record.viewer >= 0:
+            known = _or_never(record.known_from[record.viewer])
         step, share = np.arange(steps)[:, None], 100.0 / max(items, 1)
         pta_d, pta_c = (share * (one <= step).sum(axis=1) for one in (discovered, removed))
         return cls(steps - 1, discovered, known, removed, pta_d, pta_c)

@@ -95,8 +95,8 @@ class VisualScene:
         mujoco.mj_kinematics(self.model, self._data)
         mujoco.mj_camlight(self.model, self._data)
         everything = mujoco.mjtCatBit.mjCAT_ALL.value
-        shown = self._option, None, self._camera, everything, self._scene
-        mujoco.mjv_updateScene(self.model, self._data, *shown)
+        drawn = self._option, None, self._camera, everything, self._scene
+        mujoco.mjv_updateScene(self.model, self._data, *drawn)
 
     def seen(self, view: View, aspect: float, near_m: float) -> mujoco.MjvScene:
         """The scene from a view; drawn at once, as the next call changes it."""
@@ -134,13 +134,13 @@ def _add_vessel(
     return masts[0] if masts else _DEFAULT_MAST
 
 
-def _freeze(spec: mujoco.MjSpec, body: mujoco.MjsBody, scale: float, looks: str = "") -> None:
+def _freeze(spec: mujoco.MjSpec, body: mujoco.MjsBody, scale: float, appearance: str = "") -> None:
     """Keep what is seen of a body and named so, larger by `scale`; it stands where it is put."""
     for part in (*body.joints, *body.sites, *body.cameras):
         spec.delete(part)
     body.mocap = True
     for geom in list(body.geoms):
-        if geom.contype or geom.conaffinity or not geom.name.startswith(looks):
+        if geom.contype or geom.conaffinity or not geom.name.startswith(appearance):
             spec.delete(geom)
             continue
         geom.size, geom.pos = scale * geom.size, scale * geom.pos

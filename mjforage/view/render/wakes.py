@@ -85,11 +85,11 @@ def lay_rings(
     scale : scale of drawn items, 1 for life size
     near : True if the camera is near, where rings may be fine
     """
-    shown = known & (items[:, 2] > 0.0)
+    visible = known & (items[:, 2] > 0.0)
     radius, wide, alpha = (0.30, 0.045, 0.55) if near else (0.27, 0.055, 0.9)
-    one = np.ones(shown.sum())
+    one = np.ones(visible.sum())
     sizes = radius * scale * one, wide * scale * one
-    sheet.rings(items[shown, :2], *sizes, alpha * items[shown, 2], ITEM)
+    sheet.rings(items[visible, :2], *sizes, alpha * items[visible, 2], ITEM)
     age = since_s / (FLASH_S if near else 1.5 * FLASH_S)
     flash = (age >= 0.0) & (age < 1.0)
     left = 1.0 - age[flash]

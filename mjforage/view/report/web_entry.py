@@ -22,30 +22,30 @@ MOST_COUNT = 255  # believed items per node; more are shown as this many
 ITEM_FRAME_S = 1.0  # items move slowly: no need for more frames than this
 
 
-def entry_of(replay: Recording, limit: int | None = None) -> dict[str, Any]:
+def entry_of(recording: Recording, limit: int | None = None) -> dict[str, Any]:
     """One episode for the page: as fine in time as the limit allows.
 
     Parameters
     ----------
     limit : characters of its text; it is thinned to no less than a frame for each decision
     """
-    stride = max(1, round(min(ITEM_FRAME_S, replay.period_s) / replay.frame_s))
-    text = packed(_parts(replay, stride))
-    while limit and len(text) > limit and stride * replay.frame_s < replay.period_s:
+    stride = max(1, round(min(ITEM_FRAME_S, recording.period_s) / recording.frame_s))
+    text = packed(_parts(recording, stride))
+    while limit and len(text) > limit and stride * recording.frame_s < recording.period_s:
         stride *= 2
-        text = packed(_parts(replay, stride))
+        text = packed(_parts(recording, stride))
     return {
-        "world": replay.world,
-        "policy": replay.policy,
-        "episode": replay.episode,
-        "steps": len(replay.item_present) - 1,
-        "frames": len(replay.track_pose),
-        "frame_s": replay.frame_s,
+        "world": recording.world,
+        "policy": recording.policy,
+        "episode": recording.episode,
+        "steps": len(recording.item_present) - 1,
+        "frames": len(recording.track_pose),
+        "frame_s": recording.frame_s,
         "pose_stride": _pose_stride(stride),
         "item_stride": stride,
-        "items": replay.item_present.shape[1],
-        "forgetting": None if replay.knowledge is None else replay.knowledge.forgetting,
-        "most_believed": int(np.clip(replay.belief, 0, MOST_COUNT).max(initial=0)),
+        "items": recording.item_present.shape[1],
+        "forgetting": None if recording.knowledge is None else recording.knowledge.forgetting,
+        "most_believed": int(np.clip(recording.belief, 0, MOST_COUNT).max(initial=0)),
         "text": text,
     }
 
@@ -54,43 +54,47 @@ def _pose_stride(item_stride: int) -> int:
     return max(1, item_stride // 2)
 
 
-def _parts(replay: Recording, stride: int) -> list[Ints]:
-    """All numbers of a replay, in the order in which ``player/decode.js`` reads them."""
-    frames = len(replay.track_pose)
-    poses = replay.track_pose[thinned(frames, _pose_stride(stride))]
+def _parts(recording: Recording, stride: int) -> list[Ints]:
+    """All numbers of a recording, in the order in which ``player/decode.js`` reads them."""
+    frames = len(recording.track_pose)
+    poses = recording.track_pose[thinned(frames, _pose_stride(stride))]
     rare = thinned(frames, stride)
     yaw = np.unwrap(poses[..., 2].astype(np.float64), axis=0)
-    idle = np.rint(replay.idleness.astype(np.float32) * IDLE_LEVELS).astype(np.int64)
+    idle = np.rint(recording.idleness.astype(np.float32) * IDLE_LEVELS).astype(np.int64)
     return [
         *track(poses[..., :2], POSITION_M),
         *track(yaw, YAW_RAD),
-        *track(replay.track_items[rare], POSITION_M),
-        *track(replay.track_wind[rare], WIND_MPS),
-        replay.track_present.sum(axis=0),  # first frame without each item
-        _discovered(replay),
-        *changes(np.clip(replay.belief, 0, MOST_COUNT)),
+        *track(recording.track_items[rare], POSITION_M),
+        *track(recording.track_wind[rare], WIND_MPS),
+        recording.track_present.sum(axis=0),  # first frame without each item
+        _discovered(recording),
+        *changes(np.clip(recording.belief, 0, MOST_COUNT)),
         *changes(idle),
-        *changes(replay.in_view),
-        *([] if replay.knowledge is None else _held_parts(replay.knowledge, replay.navigable.size)),
+        *changes(recording.in_view),
+        *(
+            []
+            if recording.knowledge is None
+            else _record_parts(recording.knowledge, recording.navigable.size)
+        ),
     ]
 
 
-def _discovered(replay: Recording) -> Ints:
+def _discovered(recording: Recording) -> Ints:
     """Step of each item's discovery, one past the end if never: (item,)."""
-    never, step = len(replay.item_present), replay.t_discovered.astype(np.int64)
+    never, step = len(recording.item_present), recording.t_discovered.astype(np.int64)
     return np.where(step < 0, never, np.minimum(step, never))
 
 
-def _held_parts(held: KnowledgeRecord, cells: int) -> list[Ints]:
+def _record_parts(record: KnowledgeRecord, cells: int) -> list[Ints]:
     """Beliefs of each agent, and the links: steps are counted from 1, 0 is never."""
-    linked = held.linked.astype(np.int64)
+    linked = record.linked.astype(np.int64)
     parts = [
-        held.known_from.astype(np.int64) + 1,
-        *changes(held.received),
-        *changes(linked + np.clip(held.lost, 0, MOST_COUNT)),
+        record.known_from.astype(np.int64) + 1,
+        *changes(record.received),
+        *changes(linked + np.clip(record.lost, 0, MOST_COUNT)),
     ]
-    for agent in range(len(held.known_from)):
-        belief, seen = held.maps(agent, cells)
+    for agent in range(len(record.known_from)):
+        belief, seen = record.maps(agent, cells)
         parts += changes(np.clip(belief, 0, MOST_COUNT))
         parts += changes(np.maximum(seen.astype(np.int64) + 1, 0))
     return parts

@@ -77,15 +77,20 @@ class _File:
         Raises
         ------
         UserError
-            If the replay is not of the run.
+            If the recording is not of the run.
         """
-        replay, run = Recording.load(self.path), self.run.run
-        found = (replay.world, replay.policy, replay.episode, replay.agent_collects.tolist())
+        recording, run = Recording.load(self.path), self.run.run
+        found = (
+            recording.world,
+            recording.policy,
+            recording.episode,
+            recording.agent_collects.tolist(),
+        )
         collects = [agent.collects for agent in run.agents]
         fits = found == (self.world, self.policy, self.episode, collects)
-        if not (fits and np.array_equal(replay.navigable, run.map.cells)):
+        if not (fits and np.array_equal(recording.navigable, run.map.cells)):
             raise UserError(f"replay {self.path}: is not of the run in {self.run.folder}; {REMEDY}")
-        entry = entry_of(replay, limit)
+        entry = entry_of(recording, limit)
         return entry | {"run": self.run.place, "ranks": self.run.ranks(self)}
 
 
@@ -123,18 +128,18 @@ class _Run:
 
     def facts(self) -> dict[str, Any]:
         """Fleet and time of the run; hulls are as long as they ran, else as shipped."""
-        replay = Recording.load(self.files[0].path)
+        recording = Recording.load(self.files[0].path)
         ran, shipped = self.run.hull_lengths, vessel_names()
         lengths = [
             ran.get(name) or (load_vessel(name).length_m if name in shipped else HULL_M)
-            for name in replay.vessels
+            for name in recording.vessels
         ]
         colours = style.agent_colours(style.role(one.collects) for one in self.run.agents)
         return {
             "label": self.label,
             "seed": self.run.seed,
-            "period_s": replay.period_s,
-            "horizon": replay.horizon,
+            "period_s": recording.period_s,
+            "horizon": recording.horizon,
             "agents": [
                 {"name": one.name, "collects": one.collects, "colour": colour, "length_m": length}
                 for one, colour, length in zip(self.run.agents, colours, lengths, strict=True)
@@ -157,7 +162,7 @@ def web_replay(
     Raises
     ------
     UserError
-        If a file cannot be read, a replay is of another run, or the maps differ.
+        If a file cannot be read, a recording is of another run, or the maps differ.
     """
     opened = [
         _Run(place, label, folder, load_run(folder / "run.json"), policies)
@@ -165,11 +170,11 @@ def web_replay(
     ]
     for run in opened[1:]:
         _check_map(opened[0], run)
-    kept = [file for run in opened for file in run.files]
-    if not kept:
+    files = [file for run in opened for file in run.files]
+    if not files:
         return None
     longest = max(run.run.horizon for run in opened)
-    entries = _fitting(kept, max(1, min(MOST, MOST_STEPS // longest)), budget)
+    entries = _fitting(files, max(1, min(MOST, MOST_STEPS // longest)), budget)
     shown = {entry["run"] for entry in entries}
     facts = {run.place: run.facts() for run in opened if run.place in shown}
     agents = [agent["name"] for one in facts.values() for agent in one["agents"]]
@@ -179,7 +184,7 @@ def web_replay(
         panels=(True, two)[: 1 + (len(entries) > 1)],
         vessels=tuple(dict.fromkeys(agents)),
         held=any(entry["forgetting"] is not None for entry in entries),
-        left_out=len(kept) - len(entries),
+        left_out=len(files) - len(entries),
         data={
             **_stage(opened[0].run),
             "runs": [facts.get(run.place) for run in opened],
@@ -211,15 +216,15 @@ def _fitting(files: Sequence[_File], most: int, budget: int) -> list[dict[str, A
         case = file.run.place, file.world, file.policy
         turns.append((before[case], place))
         before[case] += 1
-    chosen = sorted(turns)[:most]
-    taken: dict[int, dict[str, Any]] = {}
-    for number, (_, place) in enumerate(chosen):
-        entry = files[place].entry(max(1, budget // (len(chosen) - number)))
+    selected = sorted(turns)[:most]
+    fitting: dict[int, dict[str, Any]] = {}
+    for number, (_, place) in enumerate(selected):
+        entry = files[place].entry(max(1, budget // (len(selected) - number)))
         budget -= len(entry["text"])
-        if taken and budget < 0:
+        if fitting and budget < 0:
             break
-        taken[place] = entry
-    return [taken[place] for place in sorted(taken)]
+        fitting[place] = entry
+    return [fitting[place] for place in sorted(fitting)]
 
 
 def _part(name: str) -> str:

@@ -15,7 +15,7 @@ from mjforage.view.render import palette, render_recording
 from mjforage.view.render.chart import Chart
 from mjforage.view.render.layout import Box
 from mjforage.view.render.panel import paint_signs
-from mjforage.view.render.seen_by import age_of, last_heard, seen_by, shown_name
+from mjforage.view.render.seen_by import age_of, last_received, seen_by, shown_name
 from mjforage.view.render.timeline import Timeline
 from tests.mjforage.view.render.conftest import placed
 
@@ -115,9 +115,9 @@ def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Recording
 
 
 def test_who_was_last_heard_when(apart: Recording) -> None:
-    assert last_heard(apart, 3).tolist() == [3, 3]
-    assert last_heard(seen_by(apart, "foragers_0"), 3).tolist() == [1, 3]
-    assert last_heard(seen_by(apart, "scouts_0"), 3).tolist() == [3, 2]
+    assert last_received(apart, 3).tolist() == [3, 3]
+    assert last_received(seen_by(apart, "foragers_0"), 3).tolist() == [1, 3]
+    assert last_received(seen_by(apart, "scouts_0"), 3).tolist() == [3, 2]
 
 
 @pytest.mark.parametrize(

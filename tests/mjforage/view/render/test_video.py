@@ -11,7 +11,7 @@ from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
 from mjforage.view.render import write_video
-from mjforage.view.render.encoders import HELD, held
+from mjforage.view.render.encoders import STEADY, steadied
 
 HEIGHT, WIDTH = 48, 64
 
@@ -63,11 +63,11 @@ def test_gif_decodes_to_the_frames(tmp_path: Path) -> None:
 
 
 def test_a_gif_holds_pixels_that_hardly_change_and_repaints_the_others() -> None:
-    """A pixel that creeps is repainted once it is off by more than `HELD`; one jumps at once."""
-    reds = [100, 100 + HELD, 100 + HELD + 1, 99, 255]
+    """A pixel that creeps is repainted once it is off by more than `STEADY`; one jumps at once."""
+    reds = [100, 100 + STEADY, 100 + STEADY + 1, 99, 255]
     source = (np.array([[[red, 7, 7], [5, 5, 5]]], np.uint8) for red in reds)
-    found = [frame[0].tolist() for frame in held(source)]
-    shown = [100, 100, 100 + HELD + 1, 99, 255]
+    found = [frame[0].tolist() for frame in steadied(source)]
+    shown = [100, 100, 100 + STEADY + 1, 99, 255]
     assert found == [[[red, 7, 7], [5, 5, 5]] for red in shown]
 
 
