@@ -204,13 +204,13 @@ def board(
         Study folder. An unfinished study of the same settings is resumed.
     """
     from mjforage.base.references import with_options
+    from mjforage.runs.studies.benchmark_tasks import benchmark_tasks
     from mjforage.runs.studies.board import board as planned
-    from mjforage.runs.studies.courses import courses_of
 
     by.workers  # noqa: B018  what is wrong with them is said first
     players, overrides = with_options("policy", policy, set)
     with working("checking who can play"):
-        found = courses_of(courses, map, overrides)
+        found = benchmark_tasks(courses, map, overrides)
         plan = planned(found, players, episodes=episodes, seed=seed, metrics=metric)
     names = {name for one in plan.variants for name in one.policies}
     for name, reason in dict.fromkeys((one.policy, one.reason) for one in plan.left_out):

@@ -9,7 +9,7 @@ from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policies.registry import check_policies, policy_names
 from mjforage.runs.evaluate import check_numbers
-from mjforage.runs.studies.courses import Course
+from mjforage.runs.studies.benchmark_tasks import BenchmarkTask
 from mjforage.runs.studies.study import LeftOut, Study, Variant
 
 FLOOR, CEILING = "random", "oracle"
@@ -17,7 +17,7 @@ FLOOR, CEILING = "random", "oracle"
 
 
 def board(
-    courses: Sequence[Course],
+    courses: Sequence[BenchmarkTask],
     policies: Sequence[str] = (),
     *,
     episodes: int = 100,
@@ -63,7 +63,7 @@ def board(
     )
 
 
-def _why_not(policy: str, course: Course) -> str:
+def _why_not(policy: str, course: BenchmarkTask) -> str:
     """Reason why a policy cannot begin an episode of a course; "" if it can."""
     task = course.setup.task
     try:

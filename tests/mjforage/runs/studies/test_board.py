@@ -12,8 +12,8 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies.registry import POLICIES, policy_names
 from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
+from mjforage.runs.studies.benchmark_tasks import benchmark_tasks
 from mjforage.runs.studies.board import board
-from mjforage.runs.studies.courses import courses_of
 from mjforage.runs.studies.study import LeftOut, Study, StudyInfo, load_study_info, run_study
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.scenario.schema import json_schema
@@ -26,7 +26,7 @@ SMALL = ["horizon=5"]
 
 
 def plan(**changes: Any) -> Study:
-    return board(courses_of(NAMES, [], SMALL), PLAYERS, episodes=2, **changes)
+    return board(benchmark_tasks(NAMES, [], SMALL), PLAYERS, episodes=2, **changes)
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_who_cannot_play_is_left_out_with_the_reason_or_refused_if_asked_for(
 
     monkeypatch.setattr(POLICIES, "bound", bound)
     monkeypatch.setattr(Landlubber, "act", lambda self, seen: None, raising=False)
-    courses = courses_of(NAMES[:2], [], SMALL)
+    courses = benchmark_tasks(NAMES[:2], [], SMALL)
     study = board(courses, episodes=2)
     reason = "policy landlubber: its weights do not fit; train it on wider maps"
     assert study.left_out == (LeftOut("landlubber", "open-bay", reason),)
@@ -129,4 +129,4 @@ def test_numbers_are_refused_before_anybody_is_asked_to_play(
         "mjforage.runs.studies.board._why_not", lambda name, course: pytest.fail("asked")
     )
     with pytest.raises(UserError, match=r"episodes 0, seed 0: give at least 1"):
-        board(courses_of(NAMES[:1], [], SMALL), episodes=0)
+        board(benchmark_tasks(NAMES[:1], [], SMALL), episodes=0)

@@ -1,4 +1,4 @@
-"""Courses: a scenario on a map in a world, each in one word such as `comb-port@physics`."""
+"""Benchmark tasks: a scenario on a map in a world, in one word such as `comb-port@physics`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,13 +15,13 @@ USUAL = (
     *("comb-port", "published", "open-bay", "channels", "comb-port-weather", "comb-port-radio"),
     *("comb-port@physics", "comb-port-weather@physics"),
 )
-"""Courses of the board unless others are named."""
-RULES = "comb-port"  # of courses on a map
+"""Tasks of the board unless others are named."""
+RULES = "comb-port"  # of tasks on a map
 USUAL_WORLD = "graph"
 
 
 @dataclass(frozen=True)
-class Course:
+class BenchmarkTask:
     """A scenario with its map, in one world.
 
     Attributes
@@ -35,7 +35,7 @@ class Course:
 
 
 def _parted(text: str) -> tuple[str, str, str]:
-    """Scenario of a course, its world, and the world's suffix after a name.
+    """Scenario of a task, its world, and the world's suffix after a name.
 
     Raises
     ------
@@ -50,8 +50,8 @@ def _parted(text: str) -> tuple[str, str, str]:
     return start, world, "" if world == USUAL_WORLD else f"@{world}"
 
 
-def course(text: str, overrides: Sequence[str] = ()) -> Course:
-    """A course of a scenario.
+def task_of_scenario(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
+    """A benchmark task of a scenario.
 
     Parameters
     ----------
@@ -66,16 +66,16 @@ def course(text: str, overrides: Sequence[str] = ()) -> Course:
     """
     reference, world, end = _parted(text)
     scenario = load_scenario(reference, overrides)
-    return Course(file_label(scenario.name) + end, pinned(Setup.of(scenario)), world)
+    return BenchmarkTask(file_label(scenario.name) + end, pinned(Setup.of(scenario)), world)
 
 
-def course_on(text: str, overrides: Sequence[str] = ()) -> Course:
-    """A course by the rules of `RULES` on another map, with the starts beside it or a random one.
+def task_on_map(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
+    """A task by the rules of `RULES` on another map, with the starts beside it or random ones.
 
     Parameters
     ----------
     text : MAP or MAP@WORLD: name, table, grid or image
-    overrides : as of `course`
+    overrides : as of `task_of_scenario`
 
     Raises
     ------
@@ -85,7 +85,7 @@ def course_on(text: str, overrides: Sequence[str] = ()) -> Course:
     file, world, end = _parted(text)
     scenario = _without_starts(load_scenario(RULES, overrides, file))
     setup = pinned(Setup.of(scenario))
-    return Course(file_label(f"{RULES}-on-{setup.grid.name}") + end, setup, world)
+    return BenchmarkTask(file_label(f"{RULES}-on-{setup.grid.name}") + end, setup, world)
 
 
 def _without_starts(scenario: Scenario) -> Scenario:
@@ -95,18 +95,20 @@ def _without_starts(scenario: Scenario) -> Scenario:
     return replace(scenario, map=replace(scenario.map, starts=None))
 
 
-def courses_of(
+def benchmark_tasks(
     scenarios: Sequence[str], maps: Sequence[str], overrides: Sequence[str] = ()
-) -> tuple[Course, ...]:
-    """Courses of scenarios, the usual ones if none is named, then of maps.
+) -> tuple[BenchmarkTask, ...]:
+    """Benchmark tasks of scenarios, the usual ones if none is named, then of maps.
 
     Raises
     ------
     UserError
-        As `course` and `course_on`, or if two are the same.
+        As `task_of_scenario` and `task_on_map`, or if two are the same.
     """
     named = scenarios or USUAL
-    found = [course(one, overrides) for one in named] + [course_on(one, overrides) for one in maps]
+    found = [task_of_scenario(one, overrides) for one in named] + [
+        task_on_map(one, overrides) for one in maps
+    ]
     names = [one.name for one in found]
     for name in names:
         if names.count(name) > 1:
