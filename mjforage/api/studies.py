@@ -19,9 +19,9 @@ from mjforage.mission.setup import Setup
 from mjforage.runs.identity import pinned
 from mjforage.runs.resuming import Resume
 from mjforage.runs.studies import variants
+from mjforage.runs.studies.benchmark_tasks import benchmark_tasks
 from mjforage.runs.studies.board import board as board_plan
 from mjforage.runs.studies.communication import communication
-from mjforage.runs.studies.courses import courses_of
 from mjforage.runs.studies.sensing import sensing
 from mjforage.runs.studies.study import Study as Plan
 from mjforage.runs.studies.study import Variant, load_study_info, run_study, variant_folder
@@ -219,7 +219,7 @@ def board(
     check_whole(episodes=episodes, seed=seed, jobs=jobs)
     check_kinds(folder, resume, progress)
     names = player_names(policies)
-    found = courses_of(tasks, maps, overrides)
+    found = benchmark_tasks(tasks, maps, overrides)
     plan = board_plan(found, names, episodes=episodes, seed=seed, metrics=metrics)
     words = f"board of {len({one for each in plan.variants for one in each.policies})} policies"
     return _played(plan, folder, workers or Workers(jobs), progress, resume, partial(begin, words))
