@@ -19,7 +19,7 @@ from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import Observation
 from mjforage.scenario.roles import Role
-from tests.graph_planner.driver import observation_of, task_of
+from tests.graph_planner.driver import observation_of, preferences, task_of
 
 SEA = navigation_graph(np.ones((30, 30), np.bool_), 1.0, False)
 TASK = replace(
@@ -100,6 +100,14 @@ def test_each_who_looks_alone_has_a_part_of_its_own() -> None:
     mine, other = (connectivity_of().part(seen_by(who, {}), 0) for who in (FORAGER, OTHER))
     assert ((mine == 1.0) != (other == 1.0)).all()
     assert set(mine) == {ELSEWHERE, 1.0}
+
+
+def test_two_who_look_alone_from_one_place_go_different_ways() -> None:
+    """All else that they know is alike: both in the middle, nobody ever heard."""
+    seen = observation_of(TASK, [(0, 0), (15, 15), (15, 15)], step=60, episodes=2)
+    seen.agent_seen[:], seen.owner[:] = 0, [FORAGER, OTHER]
+    answer = preferences("belief", replace(TASK, reach_node=0.0), seen)
+    assert (answer[0, FORAGER] != answer[1, OTHER]).any()
 
 
 def test_who_was_told_much_long_ago_has_done_with_it() -> None:

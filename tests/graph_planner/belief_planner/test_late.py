@@ -192,3 +192,18 @@ def test_a_late_look_rules_out_what_it_would_have_in_its_own_time() -> None:
     at_once, late = beliefs.spots.unseen
     np.testing.assert_allclose(late, at_once)
     assert (late == 0.0).any()
+
+
+def test_an_item_that_a_late_look_shows_first_was_sighted_when_it_was_made() -> None:
+    task, node = task_of(SEA, scouts=Role(1, 2, 3.0, False)), int(SEA.node_of_cell[5, 6])
+    beliefs = Beliefs(task, BeliefSettings(), episode_keys(0, np.zeros(1, np.int64)))
+    view = task.views.of(node, 0)
+    for step in (1, 13):
+        seen = observation_of(task, [(5, 6)], step=step)
+        if step == 13:
+            shown = (view == node).astype(np.int16)[None, None]
+            scans = np.array([[[3, 0, node]]], np.int32)
+            seen = seen._replace(delayed_scans=scans, delayed_shown=shown)
+        beliefs.learn(seen, 0)
+    spots = beliefs.spots
+    assert (spots.number[0], spots.node[0, 0], spots.step[0, 0]) == (1, node, 3)

@@ -12,7 +12,7 @@ from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import is_upper_bound
 from mjforage.graph_planner.policies.belief import BeliefPolicy
-from mjforage.mission.task import NEVER
+from mjforage.mission.task import NEVER, GroundTruth
 from mjforage.scenario.prior import Prior
 from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import observation_of, preferences, task_of
@@ -36,6 +36,19 @@ def test_the_oracle_goes_where_the_item_is_and_not_where_it_is_believed() -> Non
     observation.belief[:] = 0
     observation.belief[0, SEA.node_of_cell[20, 10]] = 1
     assert int(preferences("oracle", task, observation)[0, 0].argmax()) in (NE, E, SE)
+
+
+def test_the_oracle_knows_the_drift_of_each_item_that_is_left() -> None:
+    """The first item drifted east and is gone; the other lies still, to the west."""
+    task = task_of(
+        navigation_graph(np.ones((1, 30), np.bool_), 1.0, False), boat=Role(1, 1, 1.0, True)
+    )
+    observation, policy = observation_of(task, [(0, 10)]), create_policy("oracle")
+    policy.reset(task, observation.keys)
+    places, drift = np.array([[[0.0, 3.0], [0.0, 6.0]]]), np.array([[[0.0, 4.0], [0.0, 0.0]]])
+    node = np.array([[-1, 6]], np.int32)
+    policy.set_ground_truth(GroundTruth(places, node, np.zeros((1, 2)), drift))  # type: ignore[attr-defined]
+    assert int(policy.act(observation)[0, 0].argmax()) == W
 
 
 def test_the_oracle_sees_every_item_of_many() -> None:

@@ -188,3 +188,7 @@ def test_nodes_near_items_of_before_are_due_once_they_are_idle() -> None:
     assert sample.nodes[: sample.size[0]].tolist() == due.tolist()
     view.see(observation_of(TASK, cells, {}, last_seen, step=1), ROW)  # another episode
     assert sample.size[0] == 0 and nearby.size[0] == 0
+    view.see(observation_of(TASK, cells, {(4, 9): 1}, last_seen, step=2), ROW)
+    around = nearby.nodes[0, : nearby.size[0]]
+    far = np.hypot(GRAPH.rows[around] - 4, GRAPH.cols[around] - 9)
+    assert far.size > 0 and far.max() <= AGAIN_RADIUS, "nothing is left of the one before"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policy_parts.auctions import Bidders, Lots, sell_items
-from mjforage.mission.task import Observation, Task
+from mjforage.mission.task import NEVER, Observation, Task
 from mjforage.scenario.roles import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, preferences, task_of
@@ -106,6 +106,18 @@ def test_ways_are_geodesic() -> None:
     seen = observation_of(task, [(0, 2), (3, 4)], {(2, 2): 1})  # two away by air, six by water
     west, east = (chosen(task, seen)[1], chosen(task, seen)[0])
     assert west in (W, NW) and east == STAY
+
+
+def test_a_scout_buys_no_place_that_its_energy_does_not_reach() -> None:
+    """What is unseen begins 11 nodes to the east, of which a scout sees 4 ahead."""
+    graph = lake(3, 41)
+    task = task_of(graph, scouts=Role(1, 1, 4.0, False, energy=99.0))
+    last_seen = np.where(graph.cols > 30, NEVER, 9).astype(np.int16)
+    for energy, goes in ((99.0, True), (5.0, False)):
+        seen = observation_of(task, [(1, 20)], last_seen=last_seen, step=10)
+        seen.energy_left[:] = energy
+        move = int(preferences("auction", task, seen)[0, 0].argmax())
+        assert move in ((NE, E, SE) if goes else (STAY,))
 
 
 def test_nobody_buys_an_item_that_its_energy_does_not_reach() -> None:

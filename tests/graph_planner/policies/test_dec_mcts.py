@@ -41,6 +41,18 @@ def test_who_was_not_heard_of_for_long_is_not_left_the_items() -> None:
     assert first[1:].tolist() == [W, E] and later[1] == E
 
 
+def test_who_was_not_heard_of_for_long_is_not_left_the_unseen() -> None:
+    """More of it lies to the east, where the other scout was; alone, a scout goes there itself."""
+    graph = lake(1, 41)
+    task = task_of(graph, scouts=Role(2, 1, 2.0, False), foragers=foragers(1))
+    last_seen = np.where((graph.cols < 12) | (graph.cols > 26), 0, 89).astype(np.int16)
+    seen = observation_of(task, [(0, 20), (0, 24), (0, 19)], {(0, 19): 1}, last_seen, 90)
+    first = preferences("dec-mcts", task, seen)[0, 0].argmax()
+    seen.agent_seen[0, 1] = 0
+    later = preferences("dec-mcts(trust=2)", task, seen)[0, 0].argmax()
+    assert (first, later) == (W, E)
+
+
 def test_trust_halves() -> None:
     task = task_of(lake(1, 4), foragers=foragers(3))
     seen = observation_of(task, [(0, 0), (0, 1), (0, 2)], step=21)

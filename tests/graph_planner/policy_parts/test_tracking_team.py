@@ -154,11 +154,14 @@ def test_scouts_split_over_unseen_water(name: str) -> None:
 @ALL
 def test_a_fleet_without_scouts_looks_for_itself(name: str) -> None:
     graph = lake(9, 41)
-    task = task_of(graph, foragers=foragers())
+    task = task_of(graph, foragers=foragers(capacity=1))
     last_seen = np.full(len(graph), 9, np.int16)
     last_seen[graph.cols > 30] = NEVER
     seen = observation_of(task, [(4, 20)], last_seen=last_seen, step=10)
     assert after(name, task, seen, 5)[0][1] >= 24
+    seen = observation_of(task, [(4, 20)], last_seen=last_seen, step=10)
+    seen.room_left[:] = 0
+    assert after(name, task, seen, 5) == [(4, 20)], "who is full has nothing to look for"
 
 
 @BOTH
