@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import COMPASS, STAY
-from mjforage.mission.dynamics import ARRIVED, Dynamics, Transition
+from mjforage.mission.dynamics import ARRIVED, LATE, Dynamics, Transition
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.moves import Moves
 from mjforage.mission.trajectory import TrajectoryRecorder
@@ -232,3 +232,15 @@ def test_a_move_is_logged_as_its_compass_word_says(world: str) -> None:
     np.testing.assert_array_equal(log.agent_node[:, 1], log.target[:, 1])
     if world == "graph":
         assert np.degrees(log.yaw[:, 1, 0]) % 360.0 == pytest.approx(np.array(degrees) % 360.0)
+
+
+def test_a_hull_that_comes_too_late_is_logged_with_the_node_it_was_sent_to() -> None:
+    setup = by_hand(SEA, period_s=2.0, **TABLES)
+    mission = create_mission(setup, "physics")
+    mission.reset(0, np.arange(1))
+    log = EpisodeLog(mission)
+    log.see(mission)
+    mission.advance(np.eye(9)[[COMPASS.index("E")], None])
+    log.see(mission)
+    sent = setup.graph.node_of_cell[START[0], START[1] + 2]
+    assert log.outcome[0, 1, 0] == LATE and log.target[0, 1, 0] == sent != log.agent_node[0, 1, 0]
