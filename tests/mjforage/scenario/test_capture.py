@@ -6,7 +6,15 @@ from pathlib import Path
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.scenario.capture import FROM_DEG, FROM_M, QUAYS, Capture, capture_text, load_capture
+from mjforage.scenario.capture import (
+    FROM_DEG,
+    FROM_M,
+    QUAYS,
+    Capture,
+    capture_text,
+    load_capture,
+    usual_capture,
+)
 from mjforage.scenario.vessel_files import capture_path, vessel_names, vessel_path
 
 SHIPPED = load_capture("forager")
@@ -33,6 +41,13 @@ def test_the_model_lies_beside_the_vessel_by_name_and_by_file(raft: Path) -> Non
 def test_the_shipped_model_has_every_cell_and_hundreds_of_trials_in_each() -> None:
     assert len(SHIPPED.cells) == len(QUAYS) * len(FROM_M) * len(FROM_DEG)
     assert min(cell.trials for cell in SHIPPED.cells) >= 200
+
+
+def test_a_hull_is_reckoned_by_its_own_trials_and_without_any_by_the_foragers(raft: Path) -> None:
+    assert usual_capture(str(raft)) == SHIPPED
+    own = replace(SHIPPED, period_s=20.0)
+    put(raft, own)
+    assert usual_capture(str(raft)) == own
 
 
 def test_a_vessel_without_one_is_told_how_to_make_it(raft: Path) -> None:

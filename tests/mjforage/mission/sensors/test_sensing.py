@@ -51,6 +51,17 @@ def test_three_scans_at_an_item() -> None:
             assert abs(seen - share) < error(share), (persistence, scans, seen)
 
 
+def test_items_hard_to_see_stay_so_by_a_table_too() -> None:
+    """As above, where a scenario has .7 at any distance in a table; not where all are seen."""
+    persistence = "sensors.persistence=0.3"
+    table = load_scenario("comb-port", ["sensors.detection_table=[[0,0.7],[9,0.7]]", persistence])
+    seen = found(Watched(SEA, table.sensors, [MIDDLE], [EAST], 2, MANY))
+    assert abs(seen - 0.9047) < error(0.9047)
+    sure = ["sensors.detection=0.5", "sensors.detection_table=[[0,1],[9,0.5]]", persistence]
+    with pytest.raises(UserError, match="with the same chance of 1 near by"):
+        load_scenario("comb-port", sure)
+
+
 def test_detection_falls_with_the_distance() -> None:
     """p0 / (1 + exp((d - half) / slope)): half of p0 at half, .8 / (1 + e) a slope beyond."""
     chance = chances_by_square(17, 0.8, 2.0, 1.0)
