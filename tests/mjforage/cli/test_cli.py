@@ -14,6 +14,7 @@ from mjforage.cli.commands import app
 from mjforage.cli.studying import study
 from mjforage.graph_planner.policies import policy_names
 from mjforage.mission.scoring import chosen_metrics
+from mjforage.runs.studies.study import Study
 from mjforage.scenario.scenario_file import load_scenario, preset_names
 from tests.mjforage.cli.short_runs import EVALUATE, GREEDY, Refused
 
@@ -140,6 +141,30 @@ def test_every_command_that_writes_takes_the_same_flag() -> None:
             else:
                 assert name in ("policies", "metrics", "scenarios", "validate", "vessels"), name
     assert writing >= 17
+
+
+@pytest.mark.parametrize(
+    ("words", "whole_team"),
+    [
+        (("corruption",), False),
+        (("corruption", "--whole-team"), True),
+        (("paper",), True),
+        (("paper", "--per-agent"), False),
+    ],
+)
+def test_a_study_corrupts_whole_teams_or_each_agent_as_it_is_told(
+    words: tuple[str, ...],
+    whole_team: bool,
+    command: Callable[..., Any],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plans: list[Study] = []
+    monkeypatch.setattr("mjforage.cli.studying._run", lambda plan, *_: plans.append(plan))
+    command("study", *words, "--policy", "random", "--step", "0.25")
+    (plan,) = plans
+    choices = [one.scenario.corruption for one in plan.variants]
+    assert {one.whole_team for one in choices if one.team} == {whole_team}
+    assert plan.options["whole_team"] == whole_team, "the report says so"
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

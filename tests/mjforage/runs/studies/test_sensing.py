@@ -99,12 +99,15 @@ def test_every_assumption_meets_every_truth() -> None:
 
 
 def test_a_scenario_that_misses_is_played_as_it_is_too() -> None:
-    own = load_scenario("comb-port", ["sensors.detection=0.8", "sensors.position_noise_m=0.1"])
+    known = ("prior.detection=0.8", "prior.false_rate=0.001", "prior.items=60")
+    noise = "sensors.position_noise_m=0.1"
+    own = load_scenario("comb-port", ["sensors.detection=0.8", noise, *known])
     found = named(own)
     assert found["own"].scenario == own
     assert differs(found["complete"].scenario, "sensors") == {"position_noise_m": 0.1}
+    assert differs(found["complete"].scenario, "prior") == {"items": 60.0}, "it doubts nothing"
     assert differs(found["fov-75"].scenario, "sensors") == {
         "position_noise_m": 0.1,
         "fov_deg": 75.0,
     }
-    assert "own" not in named(load_scenario("comb-port", ["sensors.position_noise_m=0.1"]))
+    assert "own" not in named(load_scenario("comb-port", [noise]))

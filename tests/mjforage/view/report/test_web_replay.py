@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 
 import pytest
 
@@ -68,15 +69,17 @@ def test_what_does_not_fit_is_left_out_and_counted_first_episodes_last(make_run:
 
 
 def test_each_episode_is_named_by_its_rank_in_its_world_and_policy(make_run: MakeRun) -> None:
-    folder = make_run(episodes=3, kept=(0, 1, 2))
+    cases = list(product(("graph", "hulls"), ("greedy", "levy")))
+    folder = make_run(worlds=("graph", "hulls"), episodes=3, kept=(0, 1, 2))
     episodes = load_logs(folder).episodes
     entries = shown(folder).data["replays"]
-    for policy in ("greedy", "levy"):
-        own = episodes.filter(policy=policy).sort(
+    for world, policy in cases:
+        own = episodes.filter(world=world, policy=policy).sort(
             "pta_c", "length", "episode", descending=[False, True, False]
         )
         worst, median, best = own["episode"].to_list()
-        ranks = {e["episode"]: e["ranks"] for e in entries if e["policy"] == policy}
+        mine = [e for e in entries if (e["world"], e["policy"]) == (world, policy)]
+        ranks = {e["episode"]: e["ranks"] for e in mine}
         assert "first" in ranks[0]
         assert ("worst" in ranks[worst], "median" in ranks[median], "best" in ranks[best]) == (
             (True,) * 3
