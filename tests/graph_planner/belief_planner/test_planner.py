@@ -10,7 +10,7 @@ from mjforage.graph_planner.belief_planner.move_preferences import approach, reg
 from mjforage.graph_planner.belief_planner.settings import BeliefOptions, BeliefSettings
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
-from mjforage.graph_planner.policies import is_upper_bound
+from mjforage.graph_planner.policies import create_policy, is_upper_bound
 from mjforage.graph_planner.policies.belief import BeliefPolicy
 from mjforage.mission.task import NEVER, GroundTruth
 from mjforage.scenario.prior import Prior
