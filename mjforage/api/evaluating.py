@@ -27,7 +27,7 @@ def evaluate(
     *,
     episodes: int = 100,
     seed: int = 0,
-    world: World | Sequence[World] = "graph",
+    world: World | Sequence[str] = "graph",
     jobs: int = 1,
     folder: Named | None = None,
     metrics: Sequence[str] = (),
@@ -134,7 +134,7 @@ def compare(
     changes = {key: options.pop(key) for key in list(options) if key not in names}
     setup = scenario_of(scenario, changes)
     worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
-    return evaluate(setup, policies, episodes=episodes, world=worlds, **options)  # type: ignore[arg-type]
+    return evaluate(setup, policies, episodes=episodes, world=worlds, **options)
 
 
 def load_run(folder: Named, *, policies: object = ()) -> Run:

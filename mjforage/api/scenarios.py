@@ -232,8 +232,9 @@ def load_scenario(
 
 def scenario_of(given: "Setup | Named", changes: Mapping[str, Any]) -> Setup:
     """A scenario given as an object, a name or a file, with some keys changed."""
-    if isinstance(given, Scenario):
-        return given.replace(**changes) if changes else given
+    if isinstance(given, Setup):
+        found = Scenario(given.scenario, given.grid)
+        return found.replace(**changes) if changes else found
     return load_scenario(given, **changes)  # type: ignore[arg-type]
 
 

@@ -30,7 +30,7 @@ def train(
     evaluate: "Sequence[Setup | Settings | Named]" = (),
     device: str = "auto",
     resume: Resume = "same",
-    report: Callable[[str, Mapping[str, Any]], None] = lambda table, row: None,
+    report: Callable[[str, dict[str, float]], None] = lambda table, row: None,
     **changes: Any,
 ) -> Path:
     """Train a policy; the same call resumes a training that was stopped.
@@ -73,8 +73,6 @@ def train(
 
     check_whole(seed=seed)
     check_kinds(folder, resume)
-    if updates is None and hours is None:
-        raise UserError("train: give updates or hours, where it is to stop")
     made = find_algorithm(algorithm)
     given = dict(settings or {})
     if given.get("teacher") and not hasattr(made.settings, "teacher"):

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -139,10 +139,11 @@ def _play(
     again: Resuming,
 ) -> None:
     """Run, show the headline table and draw the report."""
+    from mjforage.api.evaluating import evaluate as play
     from mjforage.graph_planner.policies import is_upper_bound
-    from mjforage.runs.evaluate import evaluate as run
+    from mjforage.runs.run_info import read_json
     from mjforage.runs.selection import parse_selection
-    from mjforage.view.report import terminal_table, write_report
+    from mjforage.view.report import terminal_table
 
     recorded = parse_selection(choice.replay)
     shares = ", ".join(f"{n} reach {share:.0%}" for n, share in setup.reachable_shares.items())
@@ -151,24 +152,16 @@ def _play(
         f"{setup.scenario.name} on map {setup.grid.name} ({rows} x {columns}, "
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
+    how: dict[str, Any] = {"episodes": episodes, "seed": choice.seed, "metrics": choice.metric}
+    how |= {"record": recorded, "workers": by.workers, "resume": again.resume}
     with bar(words, "episodes") as progress:
-        summary = run(
-            setup,
-            policies,
-            folder,
-            worlds=worlds,
-            episodes=episodes,
-            seed=choice.seed,
-            metrics=choice.metric,
-            kept=recorded,
-            workers=by.workers,
-            progress=progress,
-            resume=again.resume,
-        )
-    bounds = {policy for found in summary.values() for policy in found if is_upper_bound(policy)}
-    print_table(terminal_table(summary, bounds))
+        run = play(setup, policies, folder=folder, world=worlds, progress=progress, **how)
+    if not run.complete:
+        raise KeyboardInterrupt
+    bounds = [policy for policy in run.policies if is_upper_bound(policy)]
+    print_table(terminal_table(read_json(folder / "summary.json"), bounds))
     with working("drawing the report"):
-        path = write_report(folder)
+        path = run.report()
     output.print(f"report: {path}", soft_wrap=True)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import cyclopts
 from cyclopts import Parameter
@@ -29,7 +29,8 @@ from mjforage.cli.flags import (
 from mjforage.cli.progress import bar, working
 
 if TYPE_CHECKING:
-    from mjforage.runs.studies.study import Study, Variant
+    from mjforage.api.studies import Study
+    from mjforage.runs.studies.study import Study as Plan
 
 study = cyclopts.App(
     name="study", help="Studies: many variants of a scenario on the same episodes, in one report."
@@ -203,20 +204,14 @@ def board(
     out
         Study folder. An unfinished study of the same settings is resumed.
     """
+    from mjforage.api.studies import board as play
     from mjforage.base.references import with_options
-    from mjforage.runs.studies.benchmark_tasks import benchmark_tasks
-    from mjforage.runs.studies.board import board as planned
 
-    by.workers  # noqa: B018  what is wrong with them is said first
+    workers = by.workers
     players, overrides = with_options("policy", policy, set)
-    with working("checking who can play"):
-        found = benchmark_tasks(courses, map, overrides)
-        plan = planned(found, players, episodes=episodes, seed=seed, metrics=metric)
-    names = {name for one in plan.variants for name in one.policies}
-    for name, reason in dict.fromkeys((one.policy, one.reason) for one in plan.left_out):
-        where = [one.variant for one in plan.left_out if (one.policy, one.reason) == (name, reason)]
-        output.print(f"left out of {', '.join(where)}: {reason}", soft_wrap=True)
-    _run(plan, out, f"board of {len(names)} policies", by, again)
+    what: dict[str, Any] = {"maps": map, "overrides": overrides, "metrics": metric}
+    what |= {"episodes": episodes, "seed": seed, "folder": out, "workers": workers}
+    _finish(lambda **how: play(courses, players, **what, **how), "board", again)
 
 
 def _play(
@@ -226,47 +221,35 @@ def _play(
     choice: StudyOptions,
     by: Computing,
     again: Resuming,
-    **options: float,
+    **options: object,
 ) -> None:
-    """Compute a study and draw its report."""
+    """Compute a study of a scenario and draw its report."""
+    from mjforage.api.studies import study as play
     from mjforage.base.references import with_options
     from mjforage.mission.setup import Setup
-    from mjforage.runs.identity import pinned
-    from mjforage.runs.studies import communication, sensing, variants
-    from mjforage.runs.studies.study import Study
     from mjforage.scenario.scenario_file import load_scenario
 
-    by.workers  # noqa: B018  what is wrong with them is said first
+    workers = by.workers
     players, overrides = with_options("policy", policies, choice.set)
-    setup = pinned(Setup.of(load_scenario(scenario, overrides, choice.map, choice.water)))
-    makers: dict[str, Callable[..., tuple[Variant, ...]]] = {
-        "parts": lambda base, _: variants.parts(base),
-        "ablation": variants.ablation,
-        "corruption": variants.corruption,
-        "paper": variants.paper,
-        "communication": communication.communication,
-        "sensing": sensing.sensing,
-    }
-    varied = makers[kind](setup.scenario, players, **options)
-    worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
-    plan = Study(kind, setup, varied, worlds, episodes, seed, options, tuple(choice.metric))
-    folder = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
-    _run(plan, folder, f"{kind} study of {setup.scenario.name} on map {setup.grid.name}", by, again)
+    setup = Setup.of(load_scenario(scenario, overrides, choice.map, choice.water))
+    what: dict[str, Any] = {"world": choice.world, "metrics": choice.metric, "options": options}
+    what |= {"episodes": choice.episodes, "seed": choice.seed, "workers": workers}
+    what["folder"] = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
+    _finish(lambda **how: play(kind, setup, players, **what, **how), kind, again)
 
 
-def _run(plan: "Study", folder: Path, words: str, by: Computing, again: Resuming) -> None:
-    """Compute a study and draw its report; `words` are said before the first episode."""
-    from mjforage.runs.studies.study import run_study
-    from mjforage.view.report.studies import write_study_report
+def _finish(play: "Callable[..., Study]", kind: str, again: Resuming) -> None:
+    """Compute a study and draw its report; what it is of is said before the first episode."""
 
-    def begin() -> None:
+    def begin(words: str, plan: "Plan") -> None:
+        for name, reason in dict.fromkeys((one.policy, one.reason) for one in plan.left_out):
+            same = [one for one in plan.left_out if (one.policy, one.reason) == (name, reason)]
+            where = ", ".join(one.variant for one in same)
+            output.print(f"left out of {where}: {reason}", soft_wrap=True)
         output.print(f"{words}: {len(plan.variants)} variants, {plan.episodes} episodes each")
 
-    workers = by.workers
-    with bar(f"study {plan.kind}", "episodes") as progress:
-        run_study(
-            plan, folder, workers=workers, progress=progress, begin=begin, resume=again.resume
-        )
+    with bar(f"study {kind}", "episodes") as shown:
+        done = play(progress=shown, resume=again.resume, begin=begin)
     with working("drawing the report"):
-        path = write_study_report(folder)
+        path = done.report()
     output.print(f"report: {path}", soft_wrap=True)

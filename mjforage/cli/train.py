@@ -84,51 +84,42 @@ def train(
     out
         Folder of the run; default runs/ALGORITHM-SCENARIO.
     """
+    from mjforage.api.training import train as play
     from mjforage.base.extras import require
     from mjforage.base.references import with_options
+    from mjforage.mission.setup import Setup
     from mjforage.scenario.scenario_file import load_scenario
 
     require(f"train {algorithm}", "torch", "tensorboard")
-    from mjforage.learning.training.algorithms import find_algorithm
-    from mjforage.learning.training.hyperparameters import changed
-    from mjforage.learning.training.run import train_with
-
     teachers, set = with_options("policy", [teacher] if teacher else [], set)
-    first = load_scenario(scenario, set, map, water)
+    chosen = load_scenario(scenario, set, map, water)
     changes = dict(_pair(text) for text in learning)
-    named = {"teacher": "".join(teachers), "initial": initial, "world": world}
-    changes |= {name: value for name, value in named.items() if value}
-    made = find_algorithm(algorithm)
-    if teacher and not hasattr(made.settings, "teacher"):
-        raise UserError(
-            f"--teacher {teacher}: {algorithm} takes none; leave it out, or give its settings the "
-            "fields teacher and teacher_updates"
-        )
-    hyperparameters = changed(made.settings(), changes)
-    folder = out or Path("runs") / f"{algorithm.rpartition(':')[2]}-{first.name}"
+    told = {"teacher": "".join(teachers), "initial": initial, "world": world}
+    changes |= {name: value for name, value in told.items() if value}
+    folder = out or Path("runs") / f"{algorithm.rpartition(':')[2]}-{chosen.name}"
     unit = "updates" if updates is not None else "minutes"
-    with bar("train", unit) as progress:
+    with bar("train", unit) as shown:
 
         def tell(table: str, row: "Row") -> None:
             _report(table, row)
             if updates is not None:
-                progress(row["updates"], updates)
+                shown(row["updates"], updates)
             elif hours is not None:
-                progress(row["seconds"] / 60, 60 * hours)
+                shown(row["seconds"] / 60, 60 * hours)
 
-        train_with(
-            made,
-            first,
-            hyperparameters,
-            folder,
+        play(
+            algorithm,
+            Setup.of(chosen),
+            folder=folder,
+            updates=updates,
+            hours=hours,
+            seed=seed,
+            settings=changes,
             also=[_other(text) for text in also],
             evaluate=[_other(text) for text in evaluate],
-            seed=seed,
-            hours=hours,
-            updates=updates,
             device=device,
-            report=tell,
             resume=again.resume,
+            report=tell,
         )
     output.print(f"run: {folder}", soft_wrap=True)
 

@@ -61,7 +61,7 @@ def test_weights_of_a_training_are_a_policy(bay: mf.Scenario, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({}, "train: give updates or hours"),
+        ({}, "train: no end given"),
         ({"updates": 1, "settings": {"num_env": 2}}, "did you mean num_envs"),
         ({"updates": 1, "settings": {"teacher": "greedi"}}, "greedi"),
     ],
