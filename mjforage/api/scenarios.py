@@ -235,7 +235,7 @@ def scenario_of(given: "Setup | Named", changes: Mapping[str, Any]) -> Setup:
     if isinstance(given, Setup):
         found = Scenario(given.scenario, given.grid)
         return found.replace(**changes) if changes else found
-    return load_scenario(given, **changes)  # type: ignore[arg-type]
+    return load_scenario(given, **changes)
 
 
 def _changed(
