@@ -1,9 +1,9 @@
 """A model of another library that has `predict`, such as Stable-Baselines3's, as a policy."""
 
-import copy
 import inspect
 from typing import Any, ClassVar
 
+import cloudpickle
 import numpy as np
 from numpy.typing import NDArray
 
@@ -86,9 +86,13 @@ def policy_of_model(model: Any, name: str) -> type[LoadedModel]:
 
 
 def _asked(model: Any) -> Any:
-    """The part that predicts, in a copy: without environments, buffers and logs where it can be."""
+    """The part that predicts, in a copy: without environments, buffers and logs where it can be.
+
+    A model that has just learnt holds tensors with a gradient, which `copy.deepcopy` refuses.
+    """
     policy = getattr(model, "policy", None)
-    return copy.deepcopy(policy if callable(getattr(policy, "predict", None)) else model)
+    part = policy if callable(getattr(policy, "predict", None)) else model
+    return cloudpickle.loads(cloudpickle.dumps(part))
 
 
 def _is_of_levels(space: Any) -> bool:
@@ -104,7 +108,7 @@ def _observation(model: Any, task: Task, who: str) -> str:
         shapes = create_encoder(name, task).shapes
         lead = (len(task.fleet),) if several else ()
         space = arrays_space(shapes, lead)
-        if wanted == {key: part.shape for key, part in space.spaces.items() if key != MASK}:  # type: ignore[attr-defined]
+        if wanted.items() <= {key: part.shape for key, part in space.spaces.items()}.items():  # type: ignore[attr-defined]
             return name
     raise UserError(
         f"policy {who}: its model sees {wanted}, which no observation of this scenario is; train "

@@ -3,13 +3,20 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
+from typing import Any
 
 Report = Callable[[int, int], None]
 
 
+def is_notebook() -> bool:
+    """True in the process of a notebook."""
+    return "ipykernel" in sys.modules
+
+
 def is_watched() -> bool:
     """True in a terminal or a notebook."""
-    return "ipykernel" in sys.modules or (sys.stderr is not None and sys.stderr.isatty())
+    return is_notebook() or (sys.stderr is not None and sys.stderr.isatty())
 
 
 @contextmanager
@@ -30,6 +37,8 @@ def bar(words: str, unit: str, wanted: bool | Report | None) -> Iterator[Report]
         yield wanted
     elif not (is_watched() if wanted is None else wanted):
         yield lambda done, total: None
+    elif is_notebook():
+        yield from _notebook_bar(words, unit)
     else:
         from rich.console import Console
         from rich.progress import Progress
@@ -37,3 +46,18 @@ def bar(words: str, unit: str, wanted: bool | Report | None) -> Iterator[Report]
         with Progress(console=Console(stderr=True), transient=True) as shown:
             task = shown.add_task(f"{words}, {unit}", total=None)
             yield lambda done, total: shown.update(task, completed=done, total=total)
+
+
+def _notebook_bar(words: str, unit: str) -> Iterator[Report]:
+    """A bar of the notebook itself, which needs no widgets; gone when the work is done."""
+    screen: Any = import_module("IPython.display")
+    shown = screen.display(screen.HTML(""), display_id=True)
+
+    def report(done: int, total: int) -> None:
+        text = f"{words}: {done} of {total} {unit}"
+        shown.update(screen.HTML(f'<progress value="{done}" max="{total}"></progress> {text}'))
+
+    try:
+        yield report
+    finally:
+        shown.update(screen.HTML(""))

@@ -412,5 +412,5 @@ class Player:
         return self._page
 
     def _repr_html_(self) -> str:
-        how = 'width="100%" height="720" style="border:0" sandbox="allow-scripts"'
+        how = 'title="Episode" width="100%" height="720" style="border:0" sandbox="allow-scripts"'
         return f'<iframe srcdoc="{escape(self._page)}" {how}></iframe>'

@@ -49,7 +49,8 @@ class Map:
     Raises
     ------
     UserError
-        If the map cannot be read, has no water, or is not one component.
+        If the map cannot be read, or has no water. Whether its water is one component, a scenario
+        checks.
 
     Examples
     --------
@@ -71,6 +72,8 @@ class Map:
             grid, beside = load_map(os.fspath(water), water=water_is), load_starts(os.fspath(water))
         else:
             grid, beside = GridMap("array", water_of_array(water)), None
+            if not grid.nodes:
+                raise UserError("map: the array has no water; mark water with 1 or True")
         self._grid = GridMap(name or grid.name, grid.navigable)
         self._starts = starts if starts is not None else beside
         if not (isinstance(pitch_m, int | float | np.number) and 0.0 < pitch_m < np.inf):

@@ -19,7 +19,7 @@ from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.scenario.maps import GridMap, Starts
 from mjforage.view.page import style
-from mjforage.view.page.figure import literal
+from mjforage.view.page.figure import Picture, literal
 
 ACROSS = 5  # maps in a row of a sheet
 MOST = 100  # maps on a sheet
@@ -41,7 +41,7 @@ def map_figure(grids: Sequence[GridMap], starts: Starts = ()) -> Figure:
     across, down = min(ACROSS, len(grids)), ceil(len(grids) / ACROSS)
     size = across * (max(wide * inch, 1.0) + 0.6 * alone), down * (max(tall * inch, 1.0) + 0.4)
     with rc_context(cast(Any, style.RC)):
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Picture(figsize=size, layout="constrained")
         every = figure.subplots(down, across, squeeze=False).ravel()
         for axes in every:
             axes.set_axis_off()

@@ -23,6 +23,7 @@ from mjforage.view.page import style
 WIDTH_IN = 5.6  # half a page of the report
 WIDE_IN = 11.2  # a whole page
 DPI = 150  # of a PNG, and of maps inside an SVG
+SCREEN_DPI = 100  # of a picture in a notebook
 COLOURS = 128  # of a PNG that is kept in a repository
 
 _WORDS = r"[A-Za-z0-9 ,.()-]+"
@@ -85,9 +86,19 @@ class Panel:
         return Line2D([], [], markersize=5, label=name, **look_of)
 
 
-def canvas(width_in: float, height_in: float) -> Figure:
-    """Return an empty figure bound to the Agg canvas, with no pyplot state."""
-    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+class Picture(Figure):
+    """A figure that a notebook shows as a picture, with no pyplot state."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        with house_style():
+            self.savefig(buffer, format="png", dpi=SCREEN_DPI)
+        return buffer.getvalue()
+
+
+def canvas(width_in: float, height_in: float) -> Picture:
+    """Return an empty figure bound to the Agg canvas."""
+    figure = Picture(figsize=(width_in, height_in), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 

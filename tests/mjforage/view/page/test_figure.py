@@ -44,6 +44,10 @@ def test_the_first_print_lays_out_and_no_other_moves_anything(asks: bool) -> Non
     assert found[0] == found[1] == found[2]
 
 
+def test_a_notebook_shows_a_picture() -> None:
+    assert canvas(2.0, 1.0)._repr_png_().startswith(b"\x89PNG")
+
+
 BROKEN = r"$\frac{$"
 
 
