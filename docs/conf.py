@@ -18,7 +18,7 @@ author = copyright = "The mjforage founders"
 version = release = __version__
 
 extensions = [
-    "myst_parser",
+    "myst_nb",  # Markdown too
     "sphinx.ext.autodoc",
     "numpydoc",
     "math_ml",
@@ -36,6 +36,12 @@ myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 4
 myst_fence_as_directive = ["math"]
 myst_links_external_new_tab = False
+
+nb_execution_mode = "force"  # notebooks are kept without outputs
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 900  # seconds of a cell, on a busy machine
+nb_merge_streams = True
 
 smartquotes = False  # it makes dashes of the two hyphens of an option
 default_role = "code"  # our docstrings mark names with single backticks
