@@ -399,7 +399,7 @@ def _html(table: "Table") -> str:
     ]
     notes = "".join(f"<p><small>{escape(one)}</small></p>" for one in table.notes)
     body = "".join(f"<tr>{row}</tr>" for row in rows)
-    return f"<table><tr>{heads}</tr>{body}</table>{notes}"
+    return f'<table style="white-space: nowrap"><tr>{heads}</tr>{body}</table>{notes}'
 
 
 class Player:
