@@ -153,7 +153,8 @@ dist: $(VENV)/.installed-dev
 SPHINX := $(BIN)/python -m sphinx --nitpicky --quiet --doctree-dir build/doctrees
 STRICT := --fail-on-warning --keep-going
 
-# Everything is read anew, so that a page that is gone leaves nothing behind.
+# Everything is read anew, so that a page that is gone leaves nothing behind. Notebooks are run, which
+# takes two minutes and EGL.
 docs: $(VENV)/.installed-docs
 	rm -rf build/site
 	$(SPHINX) $(STRICT) --fresh-env --builder html docs build/site
