@@ -31,6 +31,7 @@ extensions = [
 exclude_patterns = ["_site"]
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", ".*")]  # names in annotations, of libraries and of ours
+suppress_warnings = ["ref.python"]  # a name of an annotation that several classes have
 
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 4
