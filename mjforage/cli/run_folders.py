@@ -197,8 +197,7 @@ def report(
         Write every figure of one run or study into figures/ in these formats: pdf png svg; letters
         stay text.
     policy
-        Show these policies of a run alone; repeatable. By default all, or of more than 20 the best
-        and the worst.
+        Show these policies of a run alone; repeatable. By default all, or of more than 20 the best.
     page
         Write a board (`mjforage study board`) as one Markdown page here too, its figures beside it.
     """

@@ -3,14 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from mjforage.base.atomic_files import write_bytes
-from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
-from mjforage.view.report.report_page import draw_figures, draw_tables, metric_tables, report_page
+from mjforage.view.report.exports import NOTHING_ELSE, Exports, write_page
+from mjforage.view.report.report_page import draw_figures, metric_tables, report_page
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.run_pairs import write_pair
 from mjforage.view.report.shown import only, shown_policies
 from mjforage.view.report.text_tables import terminal_table
-from mjforage.view.report.web_replay import web_replay
 
 __all__ = ["Exports", "terminal_table", "write_pair", "write_report"]
 
@@ -41,12 +39,6 @@ def write_report(
     """
     logs = load_logs(folder)
     shown = only(logs, shown_policies(logs, policies))
-    pictures, tables = draw_figures(shown), draw_tables(logs, shown)
-    page = report_page(logs, shown, tables, pictures)
-    text = page.text(folder, lambda room: web_replay({"": folder}, room, shown.policies))
-    if shown is not logs:
-        tables |= metric_tables(logs)
-    export(folder, [table for found in tables.values() for table in found], pictures, wanted)
-    target = folder / "report.html"
-    write_bytes(target, text.encode("utf-8"))
-    return target
+    page = report_page(logs, shown, draw_figures(shown))
+    more = metric_tables(logs) if shown is not logs else ()
+    return write_page(folder, page, {"": shown}, wanted, more)

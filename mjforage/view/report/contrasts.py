@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from mjforage.view.report.differences import (
     judged,
     set_apart,
 )
-from mjforage.view.report.run_logs import Case
+from mjforage.view.report.run_logs import Case, FloatArray
 
 SAME = "Mean difference over the same episodes, with its bootstrap 95 % interval of itself alone"
 CHANCE = (
@@ -42,44 +41,13 @@ class Contrast:
     against: Case
     group: str = ""
 
+    def values(self, metric: Description) -> tuple[FloatArray, FloatArray]:
+        """(episode,) values of both cases in a metric."""
+        return self.case.values(metric.key), self.against.values(metric.key)
+
     def gap(self, metric: Description) -> Difference:
         """Their difference in a metric."""
-        return Difference(self.case.values(metric.key), self.against.values(metric.key), metric)
-
-
-@dataclass(frozen=True)
-class _Line:
-    """A contrast in one metric."""
-
-    contrast: Contrast
-    metric: Description
-
-    @cached_property
-    def gap(self) -> Difference:
-        return self.contrast.gap(self.metric)
-
-    def ends(self, cases: Sequence[Case]) -> list[Cell]:
-        """Mean ± 1.96 SEM of each case."""
-        found = [case.values(self.metric.key) for case in cases]
-        return [
-            number_cell(
-                float(statistics.mean(x)), self.metric.digits, NORMAL_95 * float(statistics.sem(x))
-            )
-            for x in found
-        ]
-
-    def chance(self) -> Cell:
-        """Probability that the case is better in an episode; undefined without a direction."""
-        cases, way = (self.contrast.case, self.contrast.against), self.metric.better
-        x, y = (way * case.values(self.metric.key) for case in cases)
-        share = probability_of_improvement(x, y) if way else np.nan
-        return number_cell(float(share), 2)
-
-    @property
-    def defined(self) -> bool:
-        """True if the metric is defined in some episode of either case."""
-        cases = (self.contrast.case, self.contrast.against)
-        return any(np.isfinite(case.values(self.metric.key)).any() for case in cases)
+        return Difference(*self.values(metric), metric)
 
 
 def means_table(
@@ -130,32 +98,44 @@ def every_metric_table(
     contrasts: Sequence[Contrast],
     words: str,
     ends: Sequence[str] = (),
-    *,
-    swapped: bool = False,
     notes: Sequence[str] = (),
 ) -> Table:
     """A row per contrast and metric: the difference with its interval and p, bold if it is not 0.
+
+    Rows of metrics that neither case defines in any episode are left out.
 
     Parameters
     ----------
     words : name of a difference
     ends : what both cases are called, whose means stand first; none: P(better) stands last
-    swapped : True if the one that is subtracted comes first
     """
-    every = [_Line(one, metric) for one in contrasts for metric in metrics]
-    lines = [line for line in every if line.defined]
-    family = [line.gap for line in lines]
+    every = [(one, metric, one.values(metric)) for one in contrasts for metric in metrics]
+    lines = [line for line in every if np.isfinite(line[-1]).any()]
+    family = [Difference(*values, metric) for _, metric, values in lines]
     rows: list[Row] = []
-    for line, p, apart in zip(lines, corrected(family), set_apart(family), strict=True):
-        cases = (line.contrast.case, line.contrast.against)
+    for line, gap, p, apart in zip(
+        lines, family, corrected(family), set_apart(family), strict=True
+    ):
+        contrast, metric, values = line
         cells = [
-            *(line.ends(cases[:: -1 if swapped else 1]) if ends else ()),
-            *line.gap.cells(p, apart),
-            *(() if ends else (line.chance(),)),
-            Cell(str(line.gap.n), Number(line.gap.n)),
+            *([_mean_cell(one, metric) for one in values] if ends else []),
+            *gap.cells(p, apart),
+            *([] if ends else [_chance(*values, metric.better)]),
+            Cell(str(gap.n), Number(gap.n)),
         ]
-        group, better = line.contrast.group, line.metric.better
-        rows.append(row(line.metric.head, cells, group=group, better=better))
+        rows.append(row(metric.head, cells, group=contrast.group, better=metric.better))
     note = f"{words}; {family_note(family)} (p).{'' if ends else CHANCE}"
     columns = ("difference", "95 % interval", "p", *(() if ends else ("P(better)",)), "n")
     return Table(name, title, (*ends, *columns), tuple(rows), (note, *notes), head="metric")
+
+
+def _mean_cell(values: FloatArray, metric: Description) -> Cell:
+    """Mean ± 1.96 SEM of the episodes."""
+    half = NORMAL_95 * float(statistics.sem(values))
+    return number_cell(float(statistics.mean(values)), metric.digits, half)
+
+
+def _chance(x: FloatArray, y: FloatArray, way: int) -> Cell:
+    """Probability that an episode of x is better; undefined for a metric without a direction."""
+    share = probability_of_improvement(way * x, way * y) if way else np.nan
+    return number_cell(float(share), 2)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,17 +12,10 @@ from numpy.typing import NDArray
 
 from mjforage.mission.scoring import Description
 from mjforage.view.page import style
-from mjforage.view.page.figure import (
-    WIDTH_IN,
-    Panel,
-    ReportFigure,
-    canvas,
-    mathtext,
-    undefined,
-)
+from mjforage.view.page.figure import WIDTH_IN, Panel, ReportFigure, canvas, mathtext
 from mjforage.view.report.cells import NORMAL_95
 from mjforage.view.report.run_logs import Case, FloatArray, RunLogs
-from mjforage.view.report.step_means import COUNT, STD, drawn_steps
+from mjforage.view.report.step_means import COUNT, STD
 
 MARKS = 8  # on a line
 
@@ -51,15 +45,13 @@ class TimeSeries:
         )
 
 
-@dataclass(frozen=True)
-class Arrangement:
+class Arrangement(NamedTuple):
     """A figure that shows time series of our metrics together."""
 
     name: str
     title: str
     columns: tuple[str, ...]  # of steps.parquet
     words: str  # definitions
-    optional: bool = False  # whether those without a number are left out, and with all the figure
 
 
 ARRANGED = (
@@ -110,7 +102,6 @@ ARRANGED = (
         "AoI: mean over the navigable nodes of the steps since the newest measurement of the node "
         "that the observer has received, T if none; PA: steps since the newest position that an "
         "agent has received of a team-mate.",
-        optional=True,
     ),
     Arrangement(
         "holders",
@@ -118,7 +109,6 @@ ARRANGED = (
         ("disagreement", "rmse_holders", "contact"),
         "Disagreement: RMSE between the maps of two observers, mean over the pairs; RMSE_holders: "
         "RMSE of an observer's own map; Contact: pairs of agents in reach of each other.",
-        optional=True,
     ),
 )
 """Metrics that the report shows together; one that is in none of them has a figure of its own."""
@@ -126,12 +116,7 @@ ARRANGED = (
 
 def time_series(case: Case, key: str) -> TimeSeries:
     """Mean and 1.96 SEM of a per-step metric over the episodes in which it is defined."""
-    horizon = case.logs.run.horizon
-    if key not in case.logs.columns_of_steps:
-        time = drawn_steps(horizon) / horizon
-        nothing = np.full(time.size, np.nan)
-        return TimeSeries(time, nothing, nothing, np.zeros(time.size, np.int64))
-    table = case.select(case.logs.means)
+    table, horizon = case.select(case.logs.means), case.logs.run.horizon
     n = table[key + COUNT].to_numpy()
     mean = table[key].fill_null(math.nan).to_numpy()
     std = table[key + STD].fill_null(0.0).to_numpy()
@@ -139,38 +124,26 @@ def time_series(case: Case, key: str) -> TimeSeries:
     return TimeSeries(table["step"].to_numpy() / horizon, mean, half, n)
 
 
-def finish(axes: Axes, metric: Description, empty: str) -> None:
-    """Set the ticks of a panel over time, with the reason in it if nothing is drawn."""
-    axes.set_xlim(0.0, 1.0)
-    axes.yaxis.set_major_locator(MaxNLocator(5))
-    if empty:
-        undefined(axes, mathtext(metric.series_label or metric.label), empty)
-
-
-def series_label(metric: Description) -> str:
-    """Label of an axis of values over time."""
-    unit = f"  [{metric.unit}]" if metric.unit else ""
-    return mathtext(metric.series_label or metric.label) + unit
+def axis_label(metric: Description, name: str = "") -> str:
+    """Label of an axis of values: name, by default the metric's, with the unit."""
+    return mathtext(name or metric.label) + (f"  [{metric.unit}]" if metric.unit else "")
 
 
 def _plot(axes: Axes, logs: RunLogs, panel: Panel, metric: Description) -> None:
     """Draw all cases of a run."""
     looks, lines = panel.styles(), panel.lines()
-    drawn = {case: time_series(case, metric.series) for case in logs.cases}
-    for place, (case, one) in enumerate(drawn.items()):
-        one.draw(axes, looks[case.policy], lines[case.world], place, len(drawn))
-    axes.set_ylabel(series_label(metric))
-    empty = not any(one.n.any() for one in drawn.values())
-    here = metric.series in logs.columns_of_steps
-    missing = "is not in this run, which was made without it"
-    why = "is undefined in every episode" if here else missing
-    finish(axes, metric, why if empty else "")
-    if not empty and metric.top is not None:  # from 0, with room for a curve on either end
+    for place, case in enumerate(logs.cases):
+        look, line = looks[case.policy], lines[case.world]
+        time_series(case, metric.series).draw(axes, look, line, place, len(logs.cases))
+    axes.set_ylabel(axis_label(metric, metric.series_label))
+    axes.set_xlim(0.0, 1.0)
+    axes.yaxis.set_major_locator(MaxNLocator(5))
+    if metric.top is not None:  # from 0, with room for a curve on either end
         top = metric.top or max(float(axes.get_ylim()[1]), 1e-9)
         axes.set_ylim(-0.02 * top, 1.03 * top)
 
 
-def time_figure(
+def _figure(
     logs: RunLogs, name: str, title: str, metrics: Sequence[Description], definition: str
 ) -> ReportFigure:
     """Draw one panel per metric, stacked above a common axis of normalised time."""
@@ -184,23 +157,19 @@ def time_figure(
     return ReportFigure(name, title, definition, figure)
 
 
-def _has_numbers(logs: RunLogs, key: str) -> bool:
-    """True if a time series is defined anywhere."""
-    return key in logs.columns_of_steps and bool(logs.means[key + COUNT].sum())
-
-
 def time_figures(logs: RunLogs) -> list[ReportFigure]:
-    """Every figure over time, in the order of the report: ours, then one per other metric."""
-    metrics, figures = logs.series, []
-    for one in ARRANGED:
-        shown = [key for key in one.columns if not one.optional or _has_numbers(logs, key)]
-        if shown:
-            about = one.name, one.title, [metrics[key] for key in shown], one.words
-            figures.append(time_figure(logs, *about))
-    arranged = {key for one in ARRANGED for key in one.columns}
-    for key, metric in metrics.items():
-        if key not in arranged and key in logs.columns_of_steps:
-            name, title = f"series-{key.replace('_', '-')}", f"{metric.series_label} over time"
-            words = f"{metric.series_label}: {metric.definition}."
-            figures.append(time_figure(logs, name, title, [metric], words))
+    """Every figure over time: ours, then one per other metric; none of what is never defined."""
+    defined = {
+        key: metric
+        for key, metric in logs.series.items()
+        if key in logs.columns_of_steps and logs.means[key + COUNT].sum()
+    }
+    figures = []
+    for name, title, columns, words in ARRANGED:
+        if shown := [defined.pop(key) for key in columns if key in defined]:
+            figures.append(_figure(logs, name, title, shown, words))
+    for key, metric in defined.items():
+        name, title = f"series-{key.replace('_', '-')}", f"{metric.series_label} over time"
+        words = f"{metric.series_label}: {metric.definition}."
+        figures.append(_figure(logs, name, title, [metric], words))
     return figures

@@ -1,6 +1,6 @@
 """Tables and figures of a report as files for a paper, in the formats wanted."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,9 +8,11 @@ from matplotlib.figure import Figure
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
-from mjforage.view.page.figure import ReportFigure, house_style, pdf_bytes, png_bytes, svg_bytes
+from mjforage.view.page.figure import house_style, pdf_bytes, png_bytes, svg_bytes
 from mjforage.view.page.table import Table
 from mjforage.view.page.table_files import FORMATS, write_table
+from mjforage.view.report.run_logs import RunLogs
+from mjforage.view.report.sections import Page
 
 
 def _svg(figure: Figure) -> bytes:
@@ -57,20 +59,32 @@ def _chosen(flag: str, text: str, known: Collection[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def export(
-    folder: Path, tables: Sequence[Table], pictures: Sequence[ReportFigure], wanted: Exports
-) -> None:
-    """Write tables into ``tables``, always as CSV, and figures into ``figures`` of a folder.
+def write_page(
+    folder: Path,
+    page: Page,
+    runs: Mapping[str, RunLogs],
+    wanted: Exports = NOTHING_ELSE,
+    more: Sequence[Table] = (),
+) -> Path:
+    """Write ``report.html``, tables into ``tables``, always as CSV, and figures into ``figures``.
+
+    Parameters
+    ----------
+    runs : label -> run whose recorded episodes the page plays
+    more : tables that are written as files only, instead of the page's of the same names
 
     Raises
     ------
     UserError
         If a file cannot be written.
     """
-    for table in tables:
+    text = page.text(folder, runs)
+    for table in (*page.tables, *more):
         write_table(table, folder / "tables", ("csv", *wanted.tables))
-    for picture in pictures:
+    for picture in page.pictures:
         for kind in wanted.figures:
             with house_style():
                 content = FIGURES[kind](picture.figure)
             write_bytes(folder / "figures" / f"{picture.file}.{kind}", content)
+    write_bytes(folder / "report.html", text.encode("utf-8"))
+    return folder / "report.html"

@@ -14,7 +14,6 @@ from mjforage.view.report.cells import number_cell, row
 from mjforage.view.report.run_logs import Case, RunLogs
 from mjforage.view.report.step_means import KEYS
 
-BLOCK = 250_000  # rows that are held at once
 COLUMNS = (
     *("step", "agent", "direction", "outcome", "speed_mps"),
     *("collisions", "impact_mps", "work_j"),
@@ -34,7 +33,6 @@ NOTE = (
 )
 _STAYS = (pl.col("direction") == STAY) & (pl.col("outcome") != OUTCOMES[BLOCKED])
 _MOVING = pl.col("speed_mps") > 0
-_LAST = pl.col("step") == pl.col("step").max().over("episode", "agent")
 _SUMS: dict[str, pl.Expr] = {
     **{name: (~_STAYS & (pl.col("outcome") == name)).sum() for name in OUTCOMES},
     "moves": (~_STAYS).sum(),
@@ -42,24 +40,23 @@ _SUMS: dict[str, pl.Expr] = {
     "kept": (_STAYS & (pl.col("outcome") == OUTCOMES[ARRIVED])).sum(),
     "moving": _MOVING.sum(),
     "speed": pl.col("speed_mps").cast(pl.Float64).filter(_MOVING).sum(),
-    "touches": pl.col("collisions").filter(_LAST).sum(),
-    "episodes": pl.col("episode").n_unique(),
-    "work": pl.col("work_j").cast(pl.Float64).filter(_LAST).sum(),
+    "touches": pl.col("collisions").max(),
+    "work": pl.col("work_j").cast(pl.Float64).max(),
     "impact": pl.col("impact_mps").max().cast(pl.Float64),
 }
-"""Sums over the decisions made (step 1 on) in whole episodes; all but the last are added up."""
+"""Sums over the decisions of an agent in an episode, step 1 on; those of the last row rise."""
 
 
-def _figures(parts: pl.DataFrame, removed: float) -> tuple[float, ...]:
+def _figures(team: pl.DataFrame, episodes: int, removed: float) -> tuple[float, ...]:
     """Numbers of one world, policy and team.
 
     Parameters
     ----------
-    parts : `_SUMS` of blocks of its episodes
+    team : `_SUMS` of each of its agents in each episode
     removed : items that were, in all episodes
     """
-    total = {name: float(parts[name].sum()) for name in _SUMS}
-    episodes, impact = max(1.0, total["episodes"]), parts["impact"].max()
+    total = {name: float(team[name].sum()) for name in _SUMS}
+    impact = team["impact"].drop_nulls().to_list()
     return (
         total["moves"],
         *(_share(total[name], total["moves"]) for name in OUTCOMES),
@@ -67,7 +64,7 @@ def _figures(parts: pl.DataFrame, removed: float) -> tuple[float, ...]:
         _share(total["kept"], total["stays"]),
         total["speed"] / total["moving"] if total["moving"] else math.nan,
         total["touches"] / episodes,
-        float(impact) if isinstance(impact, float) else math.nan,
+        max(impact, default=math.nan),
         total["work"] / episodes / 1000,
         total["work"] / removed / 1000 if removed else math.nan,
     )
@@ -78,20 +75,8 @@ def _share(part: float, whole: float) -> float:
     return 100 * part / whole if whole else math.nan
 
 
-def _blocks(case: Case, episodes: int) -> Iterator[pl.DataFrame]:
-    """Decisions of the first episodes of a world and policy, in blocks that fit the memory."""
-    path, run = case.logs.folder / "agents.parquet", case.logs.run
-    each = max(1, BLOCK // ((run.horizon + 1) * max(1, len(run.agents))))
-    rows = scan_parquet(path, (*KEYS, *COLUMNS), REMEDY).filter(
-        pl.col("step") > 0, world=case.world, policy=case.policy
-    )
-    for first in range(0, episodes, each):
-        block = pl.col("episode").is_between(first, min(first + each, episodes) - 1)
-        yield collected(path, rows.filter(block), REMEDY)
-
-
-def hulls_table(runs: Mapping[str, RunLogs], episodes: int | None = None) -> Table | None:
-    """Outcomes, speeds, contacts and energy of every team; None for runs at graph level only.
+def hulls_table(runs: Mapping[str, RunLogs], episodes: int | None = None) -> Table:
+    """Outcomes, speeds, contacts and energy of every team; no rows for the graph world.
 
     Parameters
     ----------
@@ -107,23 +92,21 @@ def hulls_table(runs: Mapping[str, RunLogs], episodes: int | None = None) -> Tab
     )
     labels, units, _ = zip(*SHOWN, strict=True)
     title = "Performance of the hulls"
-    return Table("hulls", title, labels, rows, (NOTE,), units, head="team") if rows else None
+    return Table("hulls", title, labels, rows, (NOTE,), units, head="team")
 
 
 def _rows(name: str, case: Case, episodes: int) -> Iterator[Row]:
+    """A row per team of a world and policy, of its first episodes."""
+    path, among = case.logs.folder / "agents.parquet", pl.col("episode") < episodes
+    removed = float(case.items().filter(among)["t_collected"].drop_nulls().len())
+    decisions = scan_parquet(path, (*KEYS, *COLUMNS), REMEDY).filter(
+        among, pl.col("step") > 0, world=case.world, policy=case.policy
+    )
+    found = collected(path, decisions.group_by("episode", "agent").agg(**_SUMS), REMEDY)
     teams: dict[str, list[int]] = {}
     for i, agent in enumerate(case.logs.run.agents):
         teams.setdefault(agent.team, []).append(i)
-    items = case.items().filter(pl.col("episode") < episodes)
-    removed = float(items["t_collected"].drop_nulls().len())
-    parts = [
-        {
-            team: rows.filter(pl.col("agent").is_in(own)).select(**_SUMS)
-            for team, own in teams.items()
-        }
-        for rows in _blocks(case, episodes)
-    ]
-    for team in teams:
-        found = _figures(pl.concat([part[team] for part in parts]), removed)
-        cells = [number_cell(x, digits) for x, (*_, digits) in zip(found, SHOWN, strict=True)]
+    for team, own in teams.items():
+        numbers = _figures(found.filter(pl.col("agent").is_in(own)), episodes, removed)
+        cells = [number_cell(x, digits) for x, (*_, digits) in zip(numbers, SHOWN, strict=True)]
         yield row(team, cells, group=": ".join(filter(None, (name, case.head))))

@@ -7,8 +7,8 @@ from mjforage.view.report.contrasts import Contrast, every_metric_table
 from mjforage.view.report.run_logs import Case, RunLogs, policy_name
 
 
-def comparison_table(logs: RunLogs) -> Table | None:
-    """All pairs of policies within each world, in the metrics to compare in; None with one policy.
+def comparison_table(logs: RunLogs) -> Table:
+    """All pairs of policies within each world, in the metrics to compare in.
 
     What is bold is so after Holm's correction over the whole table.
     """
@@ -20,8 +20,6 @@ def comparison_table(logs: RunLogs) -> Table | None:
             first, second = (Case(logs, world, policy) for policy in pair)
             contrasts.append(Contrast("", first, second, f"{names}{suffix}"))
     metrics = [one for one in logs.metrics.values() if one.compared and logs.defined(one.key)]
-    if not contrasts or not metrics:
-        return None
     return every_metric_table(
         "paired",
         "Paired comparison",

@@ -79,12 +79,7 @@ def _load() -> dict[str, Published]:
 PAPER = _load()
 """Our policy -> the paper's algorithm that is its like."""
 
-TAUGHT = frozenset({"ddqn", "ddqn-link"})
-"""Policies that ship to which the belief planner showed moves in training."""
-
 NUMBERS = {
-    **{f"table-{number}": f"Table {number}" for number in (2, 3, 4, 5, 6)},
-    "contribution-graph": "Table 6",
     "scenario": "Figure 2",
     "pta": "Figure 4",
     "rmse": "Figure 5",
@@ -97,7 +92,7 @@ NUMBERS = {
     "gini": "Figure 12",
     "overlap": "Figure 13",
 }
-"""Our table or figure to the paper's of the same quantity."""
+"""Our figure -> the paper's of the same quantity."""
 
 PLACES = {
     **dict.fromkeys(("pta_d", "pta_c", "rmse_columns"), "Table 2"),

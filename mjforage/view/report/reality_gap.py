@@ -13,45 +13,37 @@ from mjforage.view.report.text_tables import HEADLINE, undefined_note
 
 def gap_tables(logs: RunLogs) -> list[Table]:
     """Tables of the steps between worlds, with three or more, and of the first and the last one."""
-    tables = (levels_table(logs), gap_table(logs))
-    return [table for table in tables if table is not None]
+    levels = [levels_table(logs)] if len(logs.run.worlds) > 2 else []
+    return [*levels, gap_table(logs)]
 
 
 def _between(logs: RunLogs, policy: str, world: str, before: str, head: str = "") -> Contrast:
     return Contrast(head, Case(logs, world, policy), Case(logs, before, policy), policy)
 
 
-def gap_table(logs: RunLogs) -> Table | None:
+def gap_table(logs: RunLogs) -> Table:
     """Every metric in the first and the last world, with the paired difference.
 
-    None with one world. Metrics that no episode of a policy defines are left out, and named if none
-    of any does.
+    No rows with one world. Metrics that no episode of a policy defines are left out, and named if
+    none of any does.
     """
     first, last = logs.run.worlds[0], logs.run.worlds[-1]
-    if first == last:
-        return None
     return every_metric_table(
         "gap",
         f"Every metric, {last} minus {first}",
         list(logs.metrics.values()),
-        [_between(logs, policy, last, first) for policy in logs.policies],
+        [_between(logs, policy, last, first) for policy in logs.policies if first != last],
         "The same episodes in both worlds: equal items, drift and starts. Difference: "
         f"{last} minus {first}, mean over the episodes where both are defined, with the bootstrap "
         "95 % interval of itself alone",
-        (first, last),
-        swapped=True,
-        notes=undefined_note(one for one in logs.metrics.values() if not logs.defined(one.key)),
+        (last, first),
+        undefined_note(one for one in logs.metrics.values() if not logs.defined(one.key)),
     )
 
 
-def levels_table(logs: RunLogs) -> Table | None:
-    """Table of the change from each world to the next one, in the headline metrics.
-
-    None with fewer than three worlds.
-    """
+def levels_table(logs: RunLogs) -> Table:
+    """Table of the change from each world to the next one, in the headline metrics."""
     steps = list(pairwise(logs.run.worlds))
-    if len(steps) < 2:
-        return None
     scenario = scenario_from_tree(dict(logs.run.scenario), str(logs.folder / "run.json"))
     adds = "; ".join(
         f"+ {world}: {', '.join(added(scenario, before, world)) or 'nothing'}"

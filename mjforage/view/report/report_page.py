@@ -2,13 +2,12 @@
 
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from mjforage.runs.run_info import RunInfo
 from mjforage.view.page import Table, style
 from mjforage.view.page.figure import ReportFigure, house_style
 from mjforage.view.report.cells import minutes, number
-from mjforage.view.report.clearing import clearing_table
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.distributions import distribution_figures
@@ -19,11 +18,10 @@ from mjforage.view.report.reality_gap import gap_tables
 from mjforage.view.report.run_logs import RunLogs, pick_replay
 from mjforage.view.report.sections import Page, Section
 from mjforage.view.report.shown import left_out
-from mjforage.view.report.text_tables import full_table, headline_table, paper_tables
+from mjforage.view.report.text_tables import full_table, headline_table, paper_table
 from mjforage.view.report.track_figure import tracks_figure
 
 CASES = 300  # worlds and policies of the headline table on the page
-CLEARED = "Every policy cleared the map in every episode."
 
 
 def map_words(run: RunInfo) -> str:
@@ -37,6 +35,11 @@ def horizon_words(run: RunInfo) -> str:
     """Horizon of a run, in steps and minutes."""
     length_min = number(minutes(run, run.horizon), 0)
     return f"T = {run.horizon} steps of {run.period_s:g} s: {length_min} min"
+
+
+def versions_words(run: RunInfo) -> str:
+    """Versions that a run was made with."""
+    return ", ".join(f"{name} {version}" for name, version in run.versions.items())
 
 
 def curve_words(run: RunInfo) -> str:
@@ -66,7 +69,7 @@ def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
         ("Episodes", f"{run.episodes} for each {each}, seed {run.seed}"),
         ("Started", run.started),
         ("Time spent", timings or "not logged"),
-        ("Versions", ", ".join(f"{name} {version}" for name, version in run.versions.items())),
+        ("Versions", versions_words(run)),
         ("Hash", run.hash),
     ]
 
@@ -100,27 +103,9 @@ def notes_section(notes: Sequence[str] = NOTES) -> Section:
     return Section("notes", "Notes on definitions", items=notes)
 
 
-def draw_tables(logs: RunLogs, shown: RunLogs) -> dict[str, list[Table]]:
-    """Tables of the policies that are shown, by section; the headline is of all, if it has room."""
-    several = {
-        "clearing": clearing_table(shown),
-        "hulls": hulls_table({"": shown}),
-        "paired": comparison_table(shown),
-    }
-    return metric_tables(shown) | {
-        "headline": [headline_table(shown if len(logs.cases) > CASES else logs)],
-        "gap": gap_tables(shown),
-        **{name: [table] if table else [] for name, table in several.items()},
-    }
-
-
-def metric_tables(logs: RunLogs) -> dict[str, list[Table]]:
-    """Tables of metrics of all policies of a run, by section."""
-    return {
-        "headline": [headline_table(logs)],
-        "papers": paper_tables(logs),
-        "full": [full_table(logs)],
-    }
+def metric_tables(logs: RunLogs) -> list[Table]:
+    """Tables of metrics of all policies of a run."""
+    return [headline_table(logs), paper_table(logs), full_table(logs)]
 
 
 def draw_figures(logs: RunLogs) -> list[ReportFigure]:
@@ -149,38 +134,28 @@ def scenario_text(tree: object) -> str:
     return json.dumps(tree, indent=2, ensure_ascii=False)
 
 
-def report_page(
-    logs: RunLogs,
-    shown: RunLogs,
-    tables: Mapping[str, Sequence[Table]],
-    pictures: Sequence[ReportFigure],
-) -> Page:
+def report_page(logs: RunLogs, shown: RunLogs, pictures: Sequence[ReportFigure]) -> Page:
     """The page of a run.
 
     Parameters
     ----------
     logs, shown : the run, and what of it the page shows
-    tables : of both, by section
     pictures : of what is shown
     """
     run = logs.run
-    said = (left_out(logs, shown), too_few(run.episodes), "" if tables["clearing"] else CLEARED)
+    headline = headline_table(shown if len(logs.cases) > CASES else logs)
+    notes = " ".join(filter(None, (left_out(logs, shown), too_few(run.episodes))))
     wide, narrow = ([one for one in pictures if one.wide is w] for w in (True, False))
     sections = [
-        Section(
-            "result",
-            "Result in brief",
-            " ".join(filter(None, said)),
-            [*tables["headline"], *tables["clearing"]],
-        ),
+        Section("result", "Result in brief", notes, [headline]),
         Section("run", "What was run", facts=run_facts(logs), texts={"Command": run.command}),
         Section("scene", "Scenario and tracks", pictures=wide),
         Section("figures", "Figures", curve_words(run), pictures=narrow),
-        Section("gap", "The reality gap", folded=tables["gap"]),
-        Section("hulls", "Performance of the hulls", folded=tables["hulls"]),
-        Section("tables", "The paper's tables", tables=tables["papers"]),
-        Section("all", "All metrics", folded=tables["full"]),
-        Section("comparison", "Paired comparison", folded=tables["paired"]),
+        Section("gap", "The reality gap", folded=gap_tables(shown)),
+        Section("hulls", "Performance of the hulls", folded=[hulls_table({"": shown})]),
+        Section("tables", "The paper's tables", tables=[paper_table(shown)]),
+        Section("all", "All metrics", folded=[full_table(shown)]),
+        Section("comparison", "Paired comparison", folded=[comparison_table(shown)]),
         notes_section(),
         Section(
             "settings",
@@ -188,9 +163,8 @@ def report_page(
             details={"Scenario as it was run (JSON)": scenario_text(run.scenario)},
         ),
     ]
-    worlds = f"world{'s' if len(run.worlds) > 1 else ''} {', '.join(run.worlds)}"
     played = f"{counted(len(run.policies), 'policy')}, {counted(run.episodes, 'episode')} each"
-    lead = f"{played}, {worlds}, map {run.map.name}"
+    lead = f"{played}; worlds: {', '.join(run.worlds)}; map {run.map.name}"
     chips = {name: look.colour for name, look in style.policy_styles(shown.policies).items()}
     version = run.versions.get("mjforage", "")
-    return Page(run.name, lead, [one for one in sections if not one.empty], version, chips=chips)
+    return Page(run.name, lead, sections, version, chips=chips)

@@ -1,6 +1,6 @@
 """A page of sections: the same for reports of runs, of pairs of runs, and of studies."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -8,7 +8,8 @@ from typing import Any
 
 from mjforage.view.page import EmbeddedFigure, Table, embedded_within, render_page
 from mjforage.view.page.figure import ReportFigure
-from mjforage.view.report.web_replay import BUDGET, WebReplay
+from mjforage.view.report.run_logs import RunLogs
+from mjforage.view.report.web_replay import BUDGET, WebReplay, web_replay
 
 LARGEST = 4_800_000  # characters of a page, but for the captions and the player's script
 FIGURES = 2_800_000  # characters of all its figures
@@ -31,9 +32,9 @@ class Section:
     details: Mapping[str, str] = field(default_factory=dict)  # heading -> text, closed
 
     @property
-    def numbers(self) -> Sequence[Table]:
-        """All tables."""
-        return [*self.tables, *self.folded]
+    def numbers(self) -> list[Table]:
+        """All tables that have rows; others are on no page."""
+        return [table for table in (*self.tables, *self.folded) if table.rows]
 
     @property
     def empty(self) -> bool:
@@ -53,30 +54,44 @@ class Page:
     kind: str = "report"
     chips: Mapping[str, str] = field(default_factory=dict)  # policy -> colour, below the lead
 
-    def text(self, folder: Path, replays: Callable[[int], WebReplay | None]) -> str:
+    @property
+    def tables(self) -> list[Table]:
+        """All tables."""
+        return [table for section in self.sections for table in section.numbers]
+
+    @property
+    def pictures(self) -> list[ReportFigure]:
+        """All figures."""
+        return [picture for section in self.sections for picture in section.pictures]
+
+    def text(self, folder: Path, runs: Mapping[str, RunLogs]) -> str:
         """The page as HTML below 5 MB; its figures are saved in a folder.
 
         Tables have fewer rows where they leave no room for figures, and say so.
 
         Parameters
         ----------
-        replays : the replay in so many characters
+        runs : label -> run whose recorded episodes the page plays
         """
         rows = ROWS
         while (room := LARGEST - len(self._set(rows))) < FIGURES and rows > FEWEST_ROWS:
             rows //= 2
-        pictures = [picture for section in self.sections for picture in section.pictures]
-        figures = embedded_within(min(FIGURES, room), pictures, folder)
+        figures = embedded_within(min(FIGURES, room), self.pictures, folder)
         room -= sum(len(figure.source) for figure in figures)
-        return self._set(rows, figures, replays(min(BUDGET, room)))
+        return self._set(rows, figures, web_replay(runs, min(BUDGET, room)))
 
     def _set(
         self, rows: int, figures: Sequence[EmbeddedFigure] = (), replay: WebReplay | None = None
     ) -> str:
         drawn, parts = iter(figures), []
         for section in self.sections:
+            if section.empty:
+                continue
             shown = list(islice(drawn, len(section.pictures)))
-            tables, folded = ([cut(x, rows) for x in y] for y in (section.tables, section.folded))
+            tables, folded = (
+                [cut(one, rows) for one in several if one.rows]
+                for several in (section.tables, section.folded)
+            )
             wide, narrow = ([one for one in shown if one.wide is w] for w in (True, False))
             own = {"tables": tables, "folded": folded, "wide": wide, "narrow": narrow}
             parts.append(vars(section) | own)

@@ -11,48 +11,40 @@ from mjforage.view.report.run_logs import Case, RunLogs
 from mjforage.view.report.step_means import POINTS
 
 POLICIES = 20  # that figures and pairs show
-BEST, WORST = 9, 3  # that they show of more
 PAIRS = 200  # of policies, over all worlds
 RANKED_BY = "pta_c"
 
 
-def shown_policies(logs: RunLogs, asked: Sequence[str] = ()) -> tuple[str, ...]:
+def shown_policies(logs: RunLogs, wanted: Sequence[str] = ()) -> tuple[str, ...]:
     """Policies that figures, pairs and the replay show, in their fixed order.
 
-    All of a usual run; of more than `POLICIES`, or than fit into `PAIRS`, the best and the worst
-    by the items removed in the end, mean over the worlds.
+    All of a usual run; of more than `POLICIES`, or than fit into `PAIRS`, the best by the items
+    removed in the end, mean over the worlds.
 
     Parameters
     ----------
-    asked : those that a user wants to see; none for these
+    wanted : policies that a user wants to see; none for all
 
     Raises
     ------
     UserError
-        If one that is asked for is not of the run.
+        If a wanted one is not of the run.
     """
-    for policy in asked:
+    for policy in wanted:
         if policy not in logs.run.policies:
             names = ", ".join(logs.policies[:POLICIES])
             more = " and others" if len(logs.policies) > POLICIES else ""
             raise UserError(f"--policy {policy}: is not in this run; choose {names}{more}")
-    several = tuple(one for one in logs.policies if one in asked) or logs.policies
-    if _fits(len(several), logs) and len(several) <= POLICIES:
-        return several
-    best, worst = BEST, WORST
-    while best > 1 and not _fits(best + worst, logs):
-        best, worst = best - 1, max(1, worst - (best % 2))
-    ranked = sorted(several, key=lambda policy: -_rank(logs, policy))
-    chosen = {*ranked[:best], *ranked[len(ranked) - worst :]}
-    return tuple(one for one in several if one in chosen)
-
-
-def _fits(policies: int, logs: RunLogs) -> bool:
-    return math.comb(policies, 2) * len(logs.run.worlds) <= PAIRS
+    several = tuple(one for one in logs.policies if one in wanted) or logs.policies
+    most = POLICIES
+    while most > 2 and math.comb(most, 2) * len(logs.run.worlds) > PAIRS:
+        most -= 1
+    best = sorted(several, key=lambda policy: -_rank(logs, policy))[:most]
+    return tuple(one for one in several if one in best)
 
 
 def _rank(logs: RunLogs, policy: str) -> float:
-    """Mean over the worlds of what is ranked by; undefined is worst."""
+    """Mean over the worlds of the metric of the ranking; undefined is worst."""
     means = [Case(logs, world, policy).summary(RANKED_BY).mean for world in logs.run.worlds]
     return -math.inf if math.isnan(mean := float(np.mean(means))) else mean
 
@@ -61,23 +53,23 @@ def only(logs: RunLogs, policies: tuple[str, ...]) -> RunLogs:
     """The run as if it had these policies alone."""
     if set(policies) == set(logs.run.policies):
         return logs
-    kept = tuple(one for one in logs.run.policies if one in policies)
-    return replace(logs, run=replace(logs.run, policies=kept))
+    few = tuple(one for one in logs.run.policies if one in policies)
+    return replace(logs, run=replace(logs.run, policies=few))
 
 
 def left_out(logs: RunLogs, shown: RunLogs) -> str:
     """Sentences on the parts that are not on the page, and the command that shows them."""
-    said = []
+    notes = []
     if len(shown.policies) < len(logs.policies):
-        said.append(
+        notes.append(
             f"Figures, pairs, replay and the longer tables show {len(shown.policies)} of the "
-            f"{len(logs.policies)} policies: the best and the worst by PTA_C, or those that were "
+            f"{len(logs.policies)} policies: the best by PTA_C, or those that were "
             "asked for. Result in brief and the files in `tables/` have all; `mjforage report "
             "FOLDER --policy NAME --policy NAME` shows others."
         )
     if logs.run.horizon > POINTS:
-        said.append(
+        notes.append(
             f"Curves are drawn at {POINTS + 1} of the {logs.run.horizon + 1} steps, evenly apart; "
             "`steps.parquet` has all."
         )
-    return " ".join(said)
+    return " ".join(notes)

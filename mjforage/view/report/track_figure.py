@@ -8,24 +8,14 @@ import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from mjforage.view.page import style
 from mjforage.view.page.figure import WIDE_IN, WIDTH_IN, ReportFigure, canvas
-from mjforage.view.report.map_figures import draw_port
+from mjforage.view.report.map_figures import ENDS, draw_port, draw_track
 from mjforage.view.report.run_logs import TRACK_STEPS, Case, RunLogs
 
 SPREAD = 0.34  # node; tracks over the same nodes are drawn side by side within this width
-ENDS = {False: "^", True: "D"}  # marker by whether the vessel collects
 LEGEND_AGENTS = 10  # more agents than this are named by team only
-
-
-def _track(axes: Axes, line: NDArray[np.float64], colour: str, collects: bool) -> None:
-    """Draw one track, (step, 2) of rows and columns, with its start and its end."""
-    axes.plot(line[:, 1], line[:, 0], color=colour, linewidth=1.2, alpha=0.85)
-    axes.plot(line[0, 1], line[0, 0], "o", color="white", markeredgecolor=colour, markersize=4.5)
-    end: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 5}
-    axes.plot(line[-1, 1], line[-1, 0], ENDS[collects], color=colour, markersize=5.5, **end)
 
 
 def _draw(axes: Axes, case: Case) -> None:
@@ -38,7 +28,10 @@ def _draw(axes: Axes, case: Case) -> None:
         xy = rows.filter(agent=agent).select("x_m", "y_m").to_numpy() / port.pitch_m
         if len(xy):
             track = np.column_stack((port.rows - 1 - xy[:, 1], xy[:, 0]))
-            _track(axes, track + offsets[agent], colour, collects[agent])
+            track += offsets[agent]
+            begin: dict[str, Any] = {"color": "white", "markeredgecolor": colour}
+            axes.plot(track[0, 1], track[0, 0], "o", markersize=4.5, **begin)
+            draw_track(axes, track, colour, collects[agent])
     world = f" · {case.world}" if len(logs.run.worlds) > 1 else ""
     axes.set_title(f"{case.policy}{world}")
 

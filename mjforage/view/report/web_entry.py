@@ -22,7 +22,7 @@ MOST_COUNT = 255  # believed items per node; more are shown as this many
 ITEM_FRAME_S = 1.0  # items move slowly: no need for more frames than this
 
 
-def entry_of(recording: Recording, limit: int | None = None) -> dict[str, Any]:
+def entry_of(recording: Recording, limit: int) -> dict[str, Any]:
     """One episode for the page: as fine in time as the limit allows.
 
     Parameters
@@ -31,7 +31,7 @@ def entry_of(recording: Recording, limit: int | None = None) -> dict[str, Any]:
     """
     stride = max(1, round(min(ITEM_FRAME_S, recording.period_s) / recording.frame_s))
     text = packed(_parts(recording, stride))
-    while limit and len(text) > limit and stride * recording.frame_s < recording.period_s:
+    while len(text) > limit and stride * recording.frame_s < recording.period_s:
         stride *= 2
         text = packed(_parts(recording, stride))
     return {
@@ -41,7 +41,7 @@ def entry_of(recording: Recording, limit: int | None = None) -> dict[str, Any]:
         "steps": len(recording.item_present) - 1,
         "frames": len(recording.track_pose),
         "frame_s": recording.frame_s,
-        "pose_stride": _pose_stride(stride),
+        "pose_stride": max(1, stride // 2),
         "item_stride": stride,
         "items": recording.item_present.shape[1],
         "forgetting": None if recording.knowledge is None else recording.knowledge.forgetting,
@@ -50,16 +50,13 @@ def entry_of(recording: Recording, limit: int | None = None) -> dict[str, Any]:
     }
 
 
-def _pose_stride(item_stride: int) -> int:
-    return max(1, item_stride // 2)
-
-
 def _parts(recording: Recording, stride: int) -> list[Ints]:
     """All numbers of a recording, in the order in which ``player/decode.js`` reads them."""
-    frames = len(recording.track_pose)
-    poses = recording.track_pose[thinned(frames, _pose_stride(stride))]
+    frames, never = len(recording.track_pose), len(recording.item_present)
+    poses = recording.track_pose[thinned(frames, max(1, stride // 2))]
     rare = thinned(frames, stride)
     yaw = np.unwrap(poses[..., 2].astype(np.float64), axis=0)
+    found = recording.t_discovered.astype(np.int64)
     idle = np.rint(recording.idleness.astype(np.float32) * IDLE_LEVELS).astype(np.int64)
     return [
         *track(poses[..., :2], POSITION_M),
@@ -67,25 +64,19 @@ def _parts(recording: Recording, stride: int) -> list[Ints]:
         *track(recording.track_items[rare], POSITION_M),
         *track(recording.track_wind[rare], WIND_MPS),
         recording.track_present.sum(axis=0),  # first frame without each item
-        _discovered(recording),
+        np.where(found < 0, never, np.minimum(found, never)),  # step of each item's discovery
         *changes(np.clip(recording.belief, 0, MOST_COUNT)),
         *changes(idle),
         *changes(recording.in_view),
         *(
             []
             if recording.knowledge is None
-            else _record_parts(recording.knowledge, recording.navigable.size)
+            else _knowledge_parts(recording.knowledge, recording.navigable.size)
         ),
     ]
 
 
-def _discovered(recording: Recording) -> Ints:
-    """Step of each item's discovery, one past the end if never: (item,)."""
-    never, step = len(recording.item_present), recording.t_discovered.astype(np.int64)
-    return np.where(step < 0, never, np.minimum(step, never))
-
-
-def _record_parts(record: KnowledgeRecord, cells: int) -> list[Ints]:
+def _knowledge_parts(record: KnowledgeRecord, cells: int) -> list[Ints]:
     """Beliefs of each agent, and the links: steps are counted from 1, 0 is never."""
     linked = record.linked.astype(np.int64)
     parts = [

@@ -3,24 +3,22 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import polars as pl
 from markupsafe import Markup
 from matplotlib.colors import to_hex
 
 from mjforage.base.errors import UserError
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.run_info import REMEDY, RunInfo, load_run
+from mjforage.runs.run_info import REMEDY, RunInfo
 from mjforage.runs.selection import ranks_of, recording_files
 from mjforage.scenario.vessel_files import vessel_names
 from mjforage.view.page import style
-from mjforage.view.report.run_logs import load_episodes, scalar
+from mjforage.view.report.run_logs import Case, RunLogs
 from mjforage.view.report.web_entry import (
     IDLE_LEVELS,
     POSITION_M,
@@ -54,7 +52,7 @@ class WebReplay:
 
     panels: tuple[bool, ...]  # one or two, and whether each is shown at first
     vessels: tuple[str, ...]  # names
-    held: bool  # whether each has a belief of its own
+    held: bool  # True if each has a belief of its own
     left_out: int  # recorded episodes for which the page has no room
     data: Mapping[str, Any]  # for the page's script, as JSON
     script: Markup  # all of its element, to the letter: the page allows no other
@@ -65,119 +63,82 @@ class WebReplay:
 class _File:
     """A recorded episode on disk."""
 
-    run: "_Run"
-    world: str
-    policy: str
+    place: int  # of its run among those of the page
+    case: Case
     episode: int
     path: Path
 
     def entry(self, limit: int) -> dict[str, Any]:
-        """Its data, thinned to so many characters if it can be; read anew, as all are many.
+        """Its data in so many characters if it can; read anew, as all are many.
 
         Raises
         ------
         UserError
             If the recording is not of the run.
         """
-        recording, run = Recording.load(self.path), self.run.run
-        found = (
-            recording.world,
-            recording.policy,
-            recording.episode,
-            recording.agent_collects.tolist(),
-        )
-        collects = [agent.collects for agent in run.agents]
-        fits = found == (self.world, self.policy, self.episode, collects)
+        recording, case, run = Recording.load(self.path), self.case, self.case.logs.run
+        found = recording.world, recording.policy, recording.episode
+        fits = found == (case.world, case.policy, self.episode)
+        fits &= recording.agent_collects.tolist() == case.logs.collects()
         if not (fits and np.array_equal(recording.navigable, run.map.cells)):
-            raise UserError(f"replay {self.path}: is not of the run in {self.run.folder}; {REMEDY}")
-        entry = entry_of(recording, limit)
-        return entry | {"run": self.run.place, "ranks": self.run.ranks(self)}
+            folder = case.logs.folder
+            raise UserError(f"recording {self.path}: is not of the run in {folder}; {REMEDY}")
+        ranks = ranks_of(case.values("pta_c"), case.values("length")) if run.episodes > 1 else {}
+        own = [rank for rank, episode in ranks.items() if episode == self.episode]
+        return entry_of(recording, limit) | {"run": self.place, "ranks": own}
 
 
-@dataclass(frozen=True)
-class _Run:
-    """A run whose recorded episodes are shown."""
-
-    place: int  # among the runs of the page
-    label: str
-    folder: Path
-    run: RunInfo
-    policies: Sequence[str]  # that are shown; none for all
-
-    @cached_property
-    def files(self) -> tuple[_File, ...]:
-        """Worlds outermost, then policies in their fixed order, then episodes."""
-        return tuple(
-            _File(self, world, policy, episode, path)
-            for world in self.run.worlds
-            for policy in style.ordered(self.policies or self.run.policies)
-            for episode, path in recording_files(self.folder, world, policy).items()
-        )
-
-    @cached_property
-    def _episodes(self) -> pl.DataFrame:
-        return load_episodes(self.folder, self.run)
-
-    def ranks(self, file: _File) -> list[str]:
-        """Ranks of the episode in its world and policy; nothing if it is the only."""
-        rows = self._episodes.filter(world=file.world, policy=file.policy)
-        if rows.height < 2:
-            return []
-        found = ranks_of(scalar(rows, "pta_c"), scalar(rows, "length"))
-        return [rank for rank, episode in found.items() if episode == file.episode]
-
-    def facts(self) -> dict[str, Any]:
-        """Fleet and time of the run; hulls are as long as they ran, else as shipped."""
-        recording = Recording.load(self.files[0].path)
-        ran, shipped = self.run.hull_lengths, vessel_names()
-        lengths = [
-            ran.get(name) or (load_vessel(name).length_m if name in shipped else HULL_M)
-            for name in recording.vessels
-        ]
-        colours = style.agent_colours(style.role(one.collects) for one in self.run.agents)
-        return {
-            "label": self.label,
-            "seed": self.run.seed,
-            "period_s": recording.period_s,
-            "horizon": recording.horizon,
-            "agents": [
-                {"name": one.name, "collects": one.collects, "colour": colour, "length_m": length}
-                for one, colour, length in zip(self.run.agents, colours, lengths, strict=True)
-            ],
-        }
+def _facts(label: str, run: RunInfo, first: Path) -> dict[str, Any]:
+    """Fleet and time of a run, by its first recording; hulls are as long as they ran."""
+    recording = Recording.load(first)
+    ran, shipped = run.hull_lengths, vessel_names()
+    lengths = [
+        ran.get(name) or (load_vessel(name).length_m if name in shipped else HULL_M)
+        for name in recording.vessels
+    ]
+    colours = style.agent_colours(style.role(one.collects) for one in run.agents)
+    return {
+        "label": label,
+        "seed": run.seed,
+        "period_s": recording.period_s,
+        "horizon": recording.horizon,
+        "agents": [
+            {"name": one.name, "collects": one.collects, "colour": colour, "length_m": length}
+            for one, colour, length in zip(run.agents, colours, lengths, strict=True)
+        ],
+    }
 
 
-def web_replay(
-    folders: Mapping[str, Path], budget: int = BUDGET, policies: Sequence[str] = ()
-) -> WebReplay | None:
-    """Gather the recorded episodes of runs on one map; None if there are none.
+def web_replay(runs: Mapping[str, RunLogs], budget: int = BUDGET) -> WebReplay | None:
+    """Gather the recorded episodes of runs on one map; None if there are none, or none has room.
 
     Parameters
     ----------
-    folders : label, as the player names it -> run folder; one run alone needs none: `{"": folder}`
-    budget : characters of text for all replays together; they are thinned in time to fit, and what
-        does not fit even so is left out, the first episodes last; one is always shown
-    policies : whose are shown; none for all
+    runs : label, as the player names it -> run; one run alone needs none: `{"": logs}`
+    budget : characters of text for all episodes together; they are thinned in time to fit, and what
+        does not fit even so is left out, the first episodes last
 
     Raises
     ------
     UserError
-        If a file cannot be read, a recording is of another run, or the maps differ.
+        If a file cannot be read, or a recording is of another run.
     """
-    opened = [
-        _Run(place, label, folder, load_run(folder / "run.json"), policies)
-        for place, (label, folder) in enumerate(folders.items())
+    files = [
+        _File(place, case, episode, path)
+        for place, logs in enumerate(runs.values())
+        for case in logs.cases
+        for episode, path in recording_files(logs.folder, case.world, case.policy).items()
     ]
-    for run in opened[1:]:
-        _check_map(opened[0], run)
-    files = [file for run in opened for file in run.files]
-    if not files:
-        return None
-    longest = max(run.run.horizon for run in opened)
+    longest = max((logs.run.horizon for logs in runs.values()), default=1)
     entries = _fitting(files, max(1, min(MOST, MOST_STEPS // longest)), budget)
-    shown = {entry["run"] for entry in entries}
-    facts = {run.place: run.facts() for run in opened if run.place in shown}
-    agents = [agent["name"] for one in facts.values() for agent in one["agents"]]
+    if not entries:
+        return None
+    shown, first = {entry["run"] for entry in entries}, {one.place: one.path for one in files[::-1]}
+    facts = [
+        _facts(label, logs.run, first[place]) if place in shown else None
+        for place, (label, logs) in enumerate(runs.items())
+    ]
+    agents = [agent["name"] for one in facts if one for agent in one["agents"]]
     two = len(shown) > 1 or len({entry["world"] for entry in entries}) > 1
     code = [_part(name) for name in SCRIPTS]
     return WebReplay(
@@ -186,8 +147,8 @@ def web_replay(
         held=any(entry["forgetting"] is not None for entry in entries),
         left_out=len(files) - len(entries),
         data={
-            **_stage(opened[0].run),
-            "runs": [facts.get(run.place) for run in opened],
+            **_stage(next(iter(runs.values())).run),
+            "runs": facts,
             "replays": entries,
         },
         script=Markup("\n".join(['(() => {\n"use strict";', *code, "})();"])),
@@ -195,36 +156,25 @@ def web_replay(
     )
 
 
-def _check_map(first: _Run, other: _Run) -> None:
-    here, there = first.run.map, other.run.map
-    if here.pitch_m != there.pitch_m or not np.array_equal(here.cells, there.cells):
-        raise UserError(
-            f"{other.folder}: is on another map ({there.name}, {there.rows} x {there.columns} "
-            f"nodes {there.pitch_m:g} m apart) than {first.folder} ({here.name}, {here.rows} x "
-            f"{here.columns}, {here.pitch_m:g} m); name runs on one map"
-        )
-
-
 def _fitting(files: Sequence[_File], most: int, budget: int) -> list[dict[str, Any]]:
     """Entries of the page in the order of the files: each has its share of the budget.
 
     Where not all fit, one of each run, world and policy comes first, then further ones.
     """
-    before: Counter[tuple[int, str, str]] = Counter()
+    before: Counter[tuple[int, Case]] = Counter()
     turns = []
-    for place, file in enumerate(files):
-        case = file.run.place, file.world, file.policy
-        turns.append((before[case], place))
-        before[case] += 1
-    selected = sorted(turns)[:most]
-    fitting: dict[int, dict[str, Any]] = {}
-    for number, (_, place) in enumerate(selected):
-        entry = files[place].entry(max(1, budget // (len(selected) - number)))
+    for number, file in enumerate(files):
+        turns.append((before[file.place, file.case], number))
+        before[file.place, file.case] += 1
+    first = sorted(turns)[:most]
+    found: dict[int, dict[str, Any]] = {}
+    for count, (_, number) in enumerate(first):
+        entry = files[number].entry(max(1, budget // (len(first) - count)))
         budget -= len(entry["text"])
-        if fitting and budget < 0:
+        if budget < 0:
             break
-        fitting[place] = entry
-    return [fitting[place] for place in sorted(fitting)]
+        found[number] = entry
+    return [found[number] for number in sorted(found)]
 
 
 def _part(name: str) -> str:

@@ -145,7 +145,6 @@ def test_tables_mark_bounds_and_pick_the_best_without_them(
 ) -> None:
     logs = load_logs(evaluate_small(tmp_path / "run", policies=("greedy", "random", "oracle")))
     paired = comparison_table(logs)
-    assert paired is not None
     for table in (headline_table(logs), full_table(logs)):
         heads = {row.head for row in table.rows if not row.paper}
         assert heads == {"greedy", "random", "oracle (bound)"}

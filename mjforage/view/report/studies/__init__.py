@@ -1,12 +1,14 @@
 """One page for a study: all its variants in tables and figures, from their logs."""
 
+from dataclasses import replace
 from pathlib import Path
 
-from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
 from mjforage.runs.run_info import AGAIN
-from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
+from mjforage.view.report.exports import NOTHING_ELSE, Exports, write_page
+from mjforage.view.report.published import NUMBERS
 from mjforage.view.report.report_page import NOTES, notes_section
+from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import (
     ablation,
     board,
@@ -16,15 +18,13 @@ from mjforage.view.report.studies import (
     planner_parts,
     sensing,
 )
-from mjforage.view.report.studies.as_in_paper import NOTE, referred
+from mjforage.view.report.studies.cost import cost_table
 from mjforage.view.report.studies.study_logs import load_study
 from mjforage.view.report.studies.study_page import (
-    cost_section,
     opening_sections,
     settings_section,
     study_page,
 )
-from mjforage.view.report.web_replay import web_replay
 
 __all__ = ["is_study", "write_study_report"]
 
@@ -40,11 +40,28 @@ PAGES = {
 """Kind of study -> what makes the sections of its page."""
 
 LIKE_PAPER = ("ablation", "corruption", "paper")  # studies that play its variants
+TRAINED = (
+    "`ddqn` and `ddqn-link` were trained on demonstrations of `belief`. The paper's network (DRL) "
+    "learnt from reward alone, and stands beside its like, `ddqn-reward`."
+)
 
 
 def is_study(folder: Path) -> bool:
     """True if a folder holds a study rather than a run."""
     return (folder / "study.json").is_file()
+
+
+def numbered(section: Section) -> Section:
+    """The section with the paper's numbers in titles of figures that show the same quantity."""
+    return replace(
+        section,
+        pictures=[
+            replace(one, title=f"{one.title} (paper's {NUMBERS[one.name]})")
+            if one.name in NUMBERS
+            else one
+            for one in section.pictures
+        ],
+    )
 
 
 def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
@@ -58,19 +75,15 @@ def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
         If a log is missing, truncated, foreign or incomplete, or the folder cannot be written.
     """
     logs = load_study(folder)
-    if logs.kind not in PAGES:
+    if logs.info.kind not in PAGES:
         raise UserError(
-            f"{folder / 'study.json'}: kind {logs.kind!r} is not one of {', '.join(PAGES)}; {AGAIN}"
+            f"{folder / 'study.json'}: kind {logs.info.kind!r} is not one of {', '.join(PAGES)}; "
+            f"{AGAIN}"
         )
     notes: tuple[str, ...] = NOTES
-    sections = [*opening_sections(logs), *PAGES[logs.kind](logs), cost_section(logs)]
-    if logs.kind in LIKE_PAPER:
-        notes, sections = (NOTE, *NOTES), referred(sections)
+    cost = Section("cost", "Cost", tables=[cost_table(logs)])
+    sections = [*opening_sections(logs), *PAGES[logs.info.kind](logs), cost]
+    if logs.info.kind in LIKE_PAPER:
+        notes, sections = (TRAINED, *NOTES), list(map(numbered, sections))
     page = study_page(logs, [*sections, notes_section(notes), settings_section(logs)])
-    text = page.text(folder, lambda room: web_replay({"": logs.whole.folder}, room))
-    tables = [table for section in page.sections for table in section.numbers]
-    pictures = [picture for section in page.sections for picture in section.pictures]
-    export(folder, tables, pictures, wanted)
-    target = folder / "report.html"
-    write_bytes(target, text.encode("utf-8"))
-    return target
+    return write_page(folder, page, {"": logs.whole}, wanted)

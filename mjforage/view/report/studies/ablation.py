@@ -4,14 +4,12 @@ from mjforage.metrics import paired_contribution, paired_p
 from mjforage.mission.scoring import describe
 from mjforage.runs.studies.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
-from mjforage.view.page.figure import ReportFigure
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.cells import metrics_table, printed_row, row, summary_cell
 from mjforage.view.report.differences import SEED, Estimate, family_note, judged
 from mjforage.view.report.published import elsewhere, published_for
 from mjforage.view.report.run_logs import policy_name
 from mjforage.view.report.sections import Section
-from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import StudyLogs
 
 IN_PAPER = ("pta_d", "pta_c", "rmse_columns", "rmse")
@@ -89,28 +87,6 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
     return metrics_table(name, title, [describe(key) for key in keys], rows, [note], **about)
 
 
-def pictures(logs: StudyLogs) -> list[ReportFigure]:
-    """A figure of contributions per world."""
-    drawn, looks = [], style.policy_styles(logs.policies)
-    for world in logs.worlds:
-        subjects = [
-            Subject(
-                f"{policy}, {team}",
-                look,
-                {key: contribution(logs, team, world, policy, key) for key in KEYS},
-                known.contribution[team] if known else {},
-            )
-            for team in teams(logs)
-            for policy, look in looks.items()
-            for known in [published_for(logs.base, policy)]
-        ]
-        title = f"Marginal contribution of one agent{logs.suffix(world)}"
-        caption = "Share of the performance that one agent of the team brings, a ratio of means."
-        about = f"contribution-{world}", title, caption
-        drawn.append(forest(about, [describe(key) for key in KEYS], subjects, gains=True))
-    return drawn
-
-
 def sections(logs: StudyLogs) -> list[Section]:
     """The page's sections."""
     title = "Marginal contribution of one agent (paper's Table 6)"
@@ -120,4 +96,4 @@ def sections(logs: StudyLogs) -> list[Section]:
         contributions_table(logs, "table-6", title, IN_PAPER),
         contributions_table(logs, "contribution-beyond", beyond, BEYOND),
     ]
-    return [Section("ablation", "One agent less", "", tables, pictures(logs))]
+    return [Section("ablation", "One agent less", "", tables)]

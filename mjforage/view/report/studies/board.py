@@ -6,12 +6,10 @@ from mjforage.view.page.table import Row, Table
 from mjforage.view.report.report_page import map_words
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.board_figures import frontier_picture, profiles_picture
-from mjforage.view.report.studies.board_policies import policies_table
 from mjforage.view.report.studies.board_scores import Board, Standing
 from mjforage.view.report.studies.board_tables import (
     MARKED,
     differences_table,
-    iqm_table,
     overall_table,
     task_table,
 )
@@ -28,8 +26,8 @@ def tasks_table(board: Board) -> Table:
     return Table("tasks", "Tasks", columns, tuple(rows), head="task", wordy=True)
 
 
-def _absent(logs: StudyLogs) -> list[Table]:
-    """Policies that do not play a task, and why; none where all play all."""
+def _absent(logs: StudyLogs) -> Table:
+    """Policies that do not play a task, and why."""
     reasons: dict[tuple[str, str], list[str]] = {}
     for one in logs.info.left_out:
         reasons.setdefault((one.policy, one.reason), []).append(one.variant)
@@ -38,7 +36,7 @@ def _absent(logs: StudyLogs) -> list[Table]:
         for (policy, reason), tasks in reasons.items()
     )
     title = "Policies that could not play"
-    return [Table("left-out", title, ("tasks", "reason"), rows, wordy=True)] if rows else []
+    return Table("left-out", title, ("tasks", "reason"), rows, wordy=True)
 
 
 def sections(logs: StudyLogs) -> list[Section]:
@@ -58,13 +56,11 @@ def sections(logs: StudyLogs) -> list[Section]:
     )
     drawn = [one for one in (profiles_picture(board), frontier_picture(standing)) if one]
     least = "Differences to the best of the task"
-    policies = "The policies, and what they were trained on"
     return [
         Section("together", "All tasks", together, [overall_table(standing)]),
         Section("curves", "Profiles, and the cost of decisions", pictures=drawn),
         Section("tasks", "Tasks", tables=[tasks_table(board)]),
         Section("scores", "Task by task", means, [task_table(board, one) for one in board.tasks]),
         Section("differences", least, folded=[differences_table(board)]),
-        Section("iqm", "Interquartile means", folded=[iqm_table(board)]),
-        Section("policies", policies, tables=[policies_table(board), *_absent(logs)]),
+        Section("left-out", "Policies that could not play", tables=[_absent(logs)]),
     ]

@@ -12,15 +12,8 @@ from matplotlib.ticker import FuncFormatter
 from mjforage.metrics import pareto_front, performance_profile
 from mjforage.mission.scoring import Description, describe
 from mjforage.view.page import style
-from mjforage.view.page.figure import (
-    WIDE_IN,
-    ReportFigure,
-    canvas,
-    house_style,
-    joined,
-    mathtext,
-    undefined,
-)
+from mjforage.view.page.figure import WIDE_IN, ReportFigure, canvas, house_style, joined
+from mjforage.view.report.curves import axis_label
 from mjforage.view.report.differences import SEED
 from mjforage.view.report.run_logs import FloatArray
 from mjforage.view.report.studies.board_scores import SCORES, Board, Standing
@@ -34,24 +27,16 @@ SHOWN = ("pta_c", "nt90")  # scores of the frontier, beside the normalised one
 
 def _legend(figure: Figure, board: Board) -> None:
     """All policies in one block above the panels."""
+    looks = style.policy_styles(board.policies)
     handles = [
         Line2D(
-            [],
-            [],
-            color=look.colour,
-            marker=look.marker,
-            markersize=5.5,
-            label=board.head(name),
+            [], [], color=look.colour, marker=look.marker, markersize=5.5, label=board.head(name)
         )
-        for name, look in style.policy_styles(board.policies).items()
+        for name, look in looks.items()
     ]
     figure.legend(
         handles=handles, loc="outside upper left", ncols=7, columnspacing=1.3, handlelength=1.8
     )
-
-
-def _label(metric: Description) -> str:
-    return mathtext(metric.label) + (f"  [{metric.unit}]" if metric.unit else "")
 
 
 def _pooled(board: Board, policy: str, score: str) -> tuple[FloatArray, FloatArray]:
@@ -61,13 +46,10 @@ def _pooled(board: Board, policy: str, score: str) -> tuple[FloatArray, FloatArr
     return np.concatenate(found), np.concatenate(labels)
 
 
-def _thresholds(runs: Sequence[FloatArray], better: int) -> FloatArray | None:
+def _thresholds(runs: Sequence[FloatArray], better: int) -> FloatArray:
     """(threshold,) upwards over all runs that have a value, but for the tail of the worst."""
     known = np.concatenate(runs)
-    known = known[~np.isnan(known)]
-    if not known.size:
-        return None
-    low, high = np.quantile(known, [TAIL, 1.0] if better > 0 else [0.0, 1 - TAIL])
+    low, high = np.nanquantile(known, [TAIL, 1.0] if better > 0 else [0.0, 1 - TAIL])
     aside = 0.0 if high > low else 0.5
     return np.linspace(low - aside, high + aside, THRESHOLDS)
 
@@ -75,11 +57,11 @@ def _thresholds(runs: Sequence[FloatArray], better: int) -> FloatArray | None:
 def _profiles(axes: Axes, board: Board, metric: Description) -> None:
     playing = [one for one in board.policies if all(one in board.players(c) for c in board.shared)]
     runs = {policy: _pooled(board, policy, metric.key) for policy in playing}
-    tau = _thresholds([values for values, _ in runs.values()], metric.better)
     axes.set_ylim(-0.02, 1.02)
-    if tau is None:
-        undefined(axes, mathtext(metric.label), "is undefined")
+    axes.set_xlabel(f"{axis_label(metric)} {'≥' if metric.better > 0 else '≤'} τ")
+    if all(np.isnan(values).all() for values, _ in runs.values()):
         return
+    tau = _thresholds([values for values, _ in runs.values()], metric.better)
     for number, (policy, look) in enumerate(style.policy_styles(playing).items()):
         values, tasks = runs[policy]
         found = performance_profile(values, tau, metric.better, SEED, strata=tasks)
@@ -89,7 +71,6 @@ def _profiles(axes: Axes, board: Board, metric: Description) -> None:
         line: dict[str, Any] = {"marker": look.marker, "markersize": 4.5, "markevery": places}
         axes.plot(tau, found.value, color=look.colour, linewidth=1.5, **line)
     axes.set_xlim(tau[0], tau[-1])
-    axes.set_xlabel(f"{_label(metric)} {'≥' if metric.better > 0 else '≤'} τ")
 
 
 def profiles_picture(board: Board) -> ReportFigure | None:
@@ -143,7 +124,7 @@ def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xlabel("CPU time of a fleet decision  [ms]")
-    axes.set_ylabel(_label(describe(key)) if key else "normalised score")
+    axes.set_ylabel(axis_label(describe(key)) if key else "normalised score")
     if better < 0:
         axes.invert_yaxis()
     return [board.policies[place] for place in order]

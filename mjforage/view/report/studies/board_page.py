@@ -12,6 +12,7 @@ from mjforage.base.errors import UserError
 from mjforage.view.page.figure import ReportFigure, house_style, png_bytes, smaller
 from mjforage.view.page.table_files import markdown_text
 from mjforage.view.report.differences import FEWEST
+from mjforage.view.report.report_page import versions_words
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import board
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
@@ -28,8 +29,10 @@ def write_board_page(folder: Path, page: Path) -> Path:
         If the folder holds no finished board, or a file cannot be written.
     """
     logs = load_study(folder)
-    if logs.kind != "board":
-        raise UserError(f"--page {page}: is for a board; {folder} holds a study of {logs.kind}")
+    if logs.info.kind != "board":
+        raise UserError(
+            f"--page {page}: is for a board; {folder} holds a study of {logs.info.kind}"
+        )
     sections = board.sections(logs)
     pictures = {one.name: one for section in sections for one in section.pictures}
     for picture in pictures.values():
@@ -72,17 +75,17 @@ def page_text(logs: StudyLogs, sections: Sequence[Section], page: Path) -> str:
         enough=ENOUGH,
         episodes=info.episodes,
         fewest=FEWEST,
-        sections="\n\n".join(_section(section, page) for section in sections),
+        sections="\n\n".join(_section(section, page) for section in sections if not section.empty),
         seed=info.seed,
         started=info.started,
-        versions=", ".join(f"{name} {number}" for name, number in logs.base.versions.items()),
+        versions=versions_words(logs.base),
     )
     return text
 
 
 def _section(section: Section, page: Path) -> str:
     parts = [f"## {section.title}", *([section.words] if section.words else [])]
-    parts += [markdown_text(table).strip() for table in section.tables]
+    parts += [markdown_text(table).strip() for table in section.tables if table.rows]
     parts += [_figure(picture, page) for picture in section.pictures]
     for table in section.folded:
         summary = f"<details><summary>{len(table.rows)} rows</summary>"

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mjforage.metrics import bootstrap, iqm
 from mjforage.mission.scoring import describe
 from mjforage.view.page.figure import joined
 from mjforage.view.page.table import Number, Row, Table
@@ -19,7 +18,7 @@ from mjforage.view.report.cells import (
     row,
     summary_cell,
 )
-from mjforage.view.report.differences import SEED, Difference, p_text
+from mjforage.view.report.differences import Difference, p_text
 from mjforage.view.report.studies.board_scores import (
     SCORES,
     Board,
@@ -70,24 +69,6 @@ def task_table(board: Board, task: str) -> Table:
         units=(*(metric.unit for metric in found), DECISION_UNIT),
         better=(*(metric.better for metric in found), -1),
     )
-
-
-def iqm_table(board: Board) -> Table:
-    """Interquartile means of every score on every task, with their intervals."""
-    rows = []
-    for task in board.tasks:
-        for policy in board.players(task):
-            case = board.case(task, policy)
-            found = bootstrap(np.array([case.values(key) for key in SCORES]), SEED, statistic=iqm)
-            ends = zip(found.value, found.low, found.high, strict=True)
-            cells = [
-                interval_cell(Number(*map(float, one)), metric.digits)
-                for one, metric in zip(ends, board.metrics, strict=True)
-            ]
-            rows.append(_policy_row(board, policy, cells, task))
-    note = "Mean of the middle half of the episodes, with its bootstrap 95 % interval."
-    title = "Interquartile means"
-    return metrics_table("iqm", title, board.metrics, rows, [note], stacked=True)
 
 
 def differences_table(board: Board) -> Table:

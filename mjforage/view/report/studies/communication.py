@@ -1,11 +1,9 @@
-"""Effect of a communication link: performance over its limits, and the value of range."""
+"""Effect of a communication link: performance over its limits, and the value of a relay."""
 
 from mjforage.runs.studies.communication import AXES
-from mjforage.runs.studies.variants import COMPLETE
 from mjforage.view.report.sections import Section
-from mjforage.view.report.studies.along_axes import reference_table, series_picture, tables_along
-from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure
-from mjforage.view.report.studies.range_cost import Costs, cost_table
+from mjforage.view.report.studies.along_axes import reference_table, tables_along
+from mjforage.view.report.studies.axis_figure import axis_figures
 from mjforage.view.report.studies.study_logs import StudyLogs
 
 COMPARED = ("pta_c", "nt50", "nt90", "csr", "handover")
@@ -14,8 +12,6 @@ SHOWN = (
     *("aoi", "position_age", "disagreement", "rmse", "rmse_holders"),
     *("contact", "delivered", "lost", "dropped", "bytes_sent"),
 )
-DIFFERENCE = "disagreement"
-RANGE, RELAY = AXES[0], AXES[-1]
 
 
 def _performance(logs: StudyLogs) -> Section:
@@ -24,15 +20,8 @@ def _performance(logs: StudyLogs) -> Section:
         "relay reach some 36 m, its mast some 160 m; they are compared with the same fleet where "
         "no vessel forwards measurements."
     )
-    drawn = [
-        axis_figure(
-            f"axes-{world}",
-            f"Performance over the limits of the link{logs.suffix(world)}",
-            caption,
-            AxisFigure(logs, world, AXES, logs.policies),
-        )
-        for world in logs.worlds
-    ]
+    about = "axes", "Performance over the limits of the link", caption
+    drawn = axis_figures(logs, about, AXES, logs.policies)
     words = (
         "Every agent acts on its own and received measurements. Differences are to the ideal link, "
         "on the same episodes. With a relay vessel the starts of the others are drawn anew, so "
@@ -51,38 +40,10 @@ def _relay(logs: StudyLogs) -> Section:
         "relay with its mast, or all."
     )
     title = "Minus the same fleet where no vessel forwards"
-    tables = [reference_table(logs, RELAY, "relay", title, COMPARED)]
+    tables = [reference_table(logs, AXES[-1], "relay", title, COMPARED)]
     return Section("relay", "Value of a relay", words, tables)
-
-
-def _range_cost(logs: StudyLogs) -> Section:
-    costs = [Costs(logs, RANGE, world) for world in logs.worlds]
-    tables = [cost_table(one) for one in costs if one.steps]
-    return Section("range-cost", "Cost of information", tables=tables)
-
-
-def _ages(logs: StudyLogs) -> Section:
-    drawn = []
-    for line, points in RANGE.lines.items():
-        names = {one.variant: _short(one.variant, one.value) for one in points} | {
-            COMPLETE: "ideal"
-        }
-        for world in logs.worlds:
-            name = f"ages-{line.replace(' ', '-')}-{world}"
-            title = f"Age and disagreement over the range, {line}{logs.suffix(world)}"
-            caption = "Age of the agents' information, and disagreement of their maps."
-            about, keys = (name, title, caption), ("aoi", DIFFERENCE)
-            drawn.append(series_picture(logs, about, list(names.items()), keys, world))
-    return Section("ages", "Age of information and disagreement", pictures=drawn)
-
-
-def _short(variant: str, value: float) -> str:
-    """A range in the legend."""
-    if variant == COMPLETE:
-        return "ideal"
-    return f"{value:g} m" if 0.0 < value < float("inf") else RANGE.tick(value)
 
 
 def sections(logs: StudyLogs) -> list[Section]:
     """The page's sections."""
-    return [_performance(logs), _relay(logs), _range_cost(logs), _ages(logs)]
+    return [_performance(logs), _relay(logs)]

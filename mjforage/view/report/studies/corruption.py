@@ -1,8 +1,9 @@
 """Performance as a team's actions become random: slopes, break points, figures."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,17 +21,10 @@ from mjforage.metrics import (
 from mjforage.mission.scoring import describe
 from mjforage.runs.studies.variants import corrupted_name, levels
 from mjforage.view.page import style
-from mjforage.view.page.figure import (
-    WIDTH_IN,
-    Panel,
-    ReportFigure,
-    canvas,
-    house_style,
-    joined,
-    mathtext,
-)
+from mjforage.view.page.figure import WIDTH_IN, Panel, ReportFigure, canvas, house_style
 from mjforage.view.page.table import NOTHING, Number, Row, Table
-from mjforage.view.report.cells import UNDEFINED, Cell, interval_cell, number, number_cell, row
+from mjforage.view.report.cells import UNDEFINED, Cell, interval_cell, number_cell, row
+from mjforage.view.report.curves import axis_label
 from mjforage.view.report.differences import SEED
 from mjforage.view.report.published import elsewhere, published_for
 from mjforage.view.report.run_logs import FloatArray, policy_name
@@ -115,7 +109,7 @@ class Fits:
     """Fits of a study, each made once; None where a mean is undefined."""
 
     def __init__(self, logs: StudyLogs) -> None:
-        self._logs, self._levels = logs, np.array(levels(float(logs.options["step"])))
+        self._logs, self._levels = logs, np.array(levels(float(logs.info.options["step"])))
         self.of = lru_cache(maxsize=None)(self._of)
 
     def _of(self, team: str, world: str, policy: str, key: str) -> Fit | None:
@@ -146,7 +140,7 @@ def fit_cells(fit: Fit | None, digits: int) -> Iterator[Cell]:
 
 def unlike_draws(logs: StudyLogs) -> str:
     """Difference in draws that makes the paper's slopes incomparable; "" with the paper's rule."""
-    if logs.options["whole_team"]:
+    if logs.info.options["whole_team"]:
         return ""
     return "paper: one draw for the team; ours: one per agent"
 
@@ -156,7 +150,7 @@ def _slope_notes(logs: StudyLogs, printed: bool) -> tuple[str, ...]:
     draw = (
         "One draw for the whole team, and random foragers still take a known item beside them, as "
         "in the published code."
-        if logs.options["whole_team"]
+        if logs.info.options["whole_team"]
         else "Every agent has its own draw, as the paper defines it."
     )
     if printed and unlike_draws(logs):
@@ -173,32 +167,29 @@ def _slope_notes(logs: StudyLogs, printed: bool) -> tuple[str, ...]:
     )
 
 
-def _grouped(one: Row, group: str, better: int, note: str) -> Row:
-    return replace(one, group=group, group_better=better, note=note)
-
-
 def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     """Slopes and break points per corrupted team and metric."""
     rows: list[Row] = []
     for team in teams(logs):
         for metric in map(describe, KEYS):
-            here: list[Row] = []
+            found = {policy: published_for(logs.base, policy) for policy in logs.policies}
+            pair = team, metric.key
+            printed = {one: known for one, known in found.items() if known and pair in known.slopes}
+            about: dict[str, Any] = {
+                "group": f"{team} corrupted, {metric.label}",
+                "group_better": metric.better,
+                "note": unlike_draws(logs) if printed else "",
+            }
             for policy in logs.policies:
                 head, colour = policy_name(policy, logs.bounds), style.policy_colour(policy)
                 for world in logs.worlds:
-                    fit = fits.of(team, world, policy, metric.key)
-                    cells = fit_cells(fit, metric.digits)
-                    here.append(row(head + logs.suffix(world), cells, colour))
-                known = published_for(logs.base, policy)
-                if known and (team, metric.key) in known.slopes:
-                    slope = number_cell(known.slopes[team, metric.key], metric.digits)
-                    nothing = Cell(NOTHING)
-                    cells = iter((nothing, nothing, slope, *(nothing,) * (len(COLUMNS) - 3)))
+                    cells = fit_cells(fits.of(team, world, policy, metric.key), metric.digits)
+                    rows.append(row(head + logs.suffix(world), cells, colour, **about))
+                if known := printed.get(policy):
+                    theirs: list[Cell] = [Cell(NOTHING)] * len(COLUMNS)
+                    theirs[COLUMNS.index("SS")] = number_cell(known.slopes[pair], metric.digits)
                     head = f"{known.algorithm}, paper{elsewhere(logs.base)}"
-                    here.append(row(head, cells, paper=True))
-            note = unlike_draws(logs) if any(one.paper for one in here) else ""
-            about = f"{team} corrupted, {metric.label}", metric.better
-            rows += [_grouped(one, *about, "" if one.paper else note) for one in here]
+                    rows.append(row(head, theirs, paper=True, **about))
     notes = _slope_notes(logs, any(one.paper for one in rows))
     return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
 
@@ -214,7 +205,7 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> ReportFigure:
                 for world, line in panel.lines().items():
                     if fit := fits.of(team, world, policy, metric.key):
                         fit.draw(axes, look, line)
-            axes.set_ylabel(f"{mathtext(metric.label)}  [{metric.unit}]")
+            axes.set_ylabel(axis_label(metric))
             axes.set_xlim(-0.02, 1.02)
         grid[-1, 0].set_xlabel(f"corruption ε of {team}")
         panel.legend(figure)
@@ -223,22 +214,7 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> ReportFigure:
         "SS; dotted: two segments, with a stroke at the break point."
     )
     title = f"Corruption of {team}"
-    return ReportFigure(f"corruption-{team}", title, words + _published(logs, team), figure)
-
-
-def _published(logs: StudyLogs, team: str) -> str:
-    """The paper's slopes of a team, as a sentence; nothing where there are none to compare with."""
-    found: dict[str, list[str]] = {}
-    for policy in logs.policies:
-        if known := published_for(logs.base, policy):
-            for key, slope in ((k, x) for (whose, k), x in known.slopes.items() if whose == team):
-                words = f"{number(slope, describe(key).digits)} ({known.algorithm})"
-                found.setdefault(describe(key).label, []).append(words)
-    rule = f" ({unlike_draws(logs)})" if unlike_draws(logs) else ""
-    return "".join(
-        f" The paper's SS of {label}{elsewhere(logs.base)}: {joined(words)}{rule}."
-        for label, words in found.items()
-    )
+    return ReportFigure(f"corruption-{team}", title, words, figure)
 
 
 def sections(logs: StudyLogs, fits: Fits | None = None) -> list[Section]:
@@ -247,7 +223,7 @@ def sections(logs: StudyLogs, fits: Fits | None = None) -> list[Section]:
     replaced = (
         "With probability ε, drawn once per step for the whole team, each of its agents takes a "
         "uniform random legal action; foragers then still take a known item beside them."
-        if logs.options["whole_team"]
+        if logs.info.options["whole_team"]
         else "Each action of a team is replaced by a uniform random legal one with probability ε."
     )
     words = (

@@ -28,7 +28,7 @@ from mjforage.view.report.run_logs import policy_name
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import ablation, corruption
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.text_tables import headline_table, paper_tables
+from mjforage.view.report.text_tables import headline_table, paper_table
 
 UNLIKE = (
     "The paper's numbers are not shown: the scenario, its fleet or another setting is not the "
@@ -109,8 +109,8 @@ def _slopes(
             yield Beside(name, value, fit.slope, metric.digits, like, "Table 4")
 
 
-def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
-    """Every number of the paper beside ours; None where the run is not one to compare with."""
+def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table:
+    """Every number of the paper beside ours; no rows if the run is not one to compare with."""
     rows: list[Row] = []
     found = {policy: published_for(logs.base, policy) for policy in logs.policies}
     beside = {policy: known for policy, known in found.items() if known}
@@ -124,8 +124,6 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
             for about, pairs in (({"group": group}, means), (apart, tuple(slopes))):
                 colour = style.policy_colour(policy)
                 rows += [row(pair.name, pair.cells, colour, **about) for pair in pairs]
-    if not rows:
-        return None
     notes = (
         f"{_maps(logs)} Interval: bootstrap 95 % over our episodes. Within: whether the paper's "
         "number lies in it, widened by the paper's own ± where it prints one; not given where the "
@@ -184,16 +182,15 @@ def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
 def sections(logs: StudyLogs) -> list[Section]:
     """The page's sections."""
     fits, whole = corruption.Fits(logs), logs.whole
-    compared, beside = comparison_table(whole), beside_table(logs, fits)
+    first = [headline_table(whole), beside_table(logs, fits)]
     with house_style():
         drawn = [*time_figures(whole), *distribution_figures(whole)]
-    first = [headline_table(whole), *([beside] if beside else [])]
     return [
-        Section("result", "In brief", "" if beside else UNLIKE, first),
-        Section("tables", "Tables 2 to 4", "", [*paper_tables(whole)[:2], table_4(logs, fits)]),
+        Section("result", "In brief", "" if first[1].rows else UNLIKE, first),
+        Section("tables", "Tables 2 to 4", "", [paper_table(whole), table_4(logs, fits)]),
         *corruption.sections(logs, fits),
         *ablation.sections(logs),
         Section("figures", "Figures over time", curve_words(logs.base), pictures=drawn),
         Section("gap", "The reality gap", tables=gap_tables(whole)),
-        Section("paired", "Paired comparison", tables=[compared] if compared else []),
+        Section("paired", "Paired comparison", tables=[comparison_table(whole)]),
     ]

@@ -1,16 +1,13 @@
 """Contribution of each part of the belief planner, and its performance in unexpected worlds."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from mjforage.mission.scoring import describe
 from mjforage.runs.studies.variants import BASELINES, COMPLETE, FAST, PARTS, ROBUST, WRONG, without
-from mjforage.view.page.figure import ReportFigure
 from mjforage.view.page.table import Table
 from mjforage.view.report.contrasts import Contrast, differences_table, means_table
 from mjforage.view.report.run_logs import Case, policy_name
 from mjforage.view.report.sections import Section
-from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import StudyLogs
 
 COMPARED = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse")
@@ -19,9 +16,9 @@ SHOWN = (*COMPARED, "cleared", "length")
 
 def _baselines(logs: StudyLogs, variant: str, world: str) -> dict[str, Case]:
     """Greedy and the oracle, under their names."""
-    names = (policy_name(policy, logs.bounds) for policy in BASELINES)
-    cases = (logs.case(variant, world, policy) for policy in BASELINES)
-    return dict(zip(names, cases, strict=True))
+    return {
+        policy_name(policy, logs.bounds): logs.case(variant, world, policy) for policy in BASELINES
+    }
 
 
 def _minus(name: str, title: str, contrasts: Sequence[Contrast]) -> Table:
@@ -32,17 +29,8 @@ def _means(name: str, title: str, groups: dict[str, dict[str, Case]]) -> Table:
     return means_table(name, title, [describe(key) for key in SHOWN], groups)
 
 
-def _picture(name: str, title: str, caption: str, contrasts: Sequence[Contrast]) -> ReportFigure:
-    metrics = [describe(key) for key in COMPARED]
-    subjects = [
-        Subject(one.head, one.case.look, {metric.key: one.gap(metric) for metric in metrics})
-        for one in contrasts
-    ]
-    return forest((name, title, caption), metrics, subjects)
-
-
 def _parts(logs: StudyLogs) -> Section:
-    tables, pictures = [], []
+    tables = []
     names = {
         "belief": "whole planner",
         **{without(part): f"without {part}" for part in PARTS},
@@ -57,9 +45,8 @@ def _parts(logs: StudyLogs) -> Section:
         }
         others, end = _baselines(logs, COMPLETE, world), logs.suffix(world)
         (_, whole), *parts = [*planner.items(), *others.items()]
-        _, (_, oracle) = others.items()
+        *shown, (_, oracle) = [*planner.items(), *others.items()]
         to_whole = [Contrast(head, case, whole) for head, case in parts]
-        shown = list((planner | others).items())[:-1]
         to_oracle = [Contrast(head, case, oracle) for head, case in shown]
         title = f"Minus the oracle, which is an upper bound{end}"
         tables += [
@@ -67,20 +54,17 @@ def _parts(logs: StudyLogs) -> Section:
             _minus(f"parts-whole-{world}", f"Minus the whole planner{end}", to_whole),
             _minus(f"parts-oracle-{world}", title, to_oracle),
         ]
-        title = f"Contribution of each part{end}"
-        caption = "Difference to the whole planner on the same episodes."
-        pictures.append(_picture(f"parts-{world}", title, caption, to_whole))
     words = (
         "`belief` plays with one of its parts switched off at a time (its "
         "options). The oracle receives every item and the drift: it is an upper bound."
     )
-    return Section("parts", "Contribution of each part", words, tables, pictures)
+    return Section("parts", "Contribution of each part", words, tables)
 
 
 def _wrong(logs: StudyLogs) -> Section:
-    tables, pictures = [], []
+    tables = []
     for world in logs.worlds:
-        means, minus, drawn = {}, [], []
+        means, minus = {}, []
         for variant in (COMPLETE, *WRONG):
             met = "expected world" if variant == COMPLETE else logs.title(variant)
             planner = {
@@ -88,19 +72,15 @@ def _wrong(logs: StudyLogs) -> Section:
                 for head, policy in (("belief", "belief"), ("belief, robust", ROBUST))
             }
             others = _baselines(logs, variant, world)
-            (_, greedy), (oracle, bound) = others.items()
+            (_, greedy), oracle = others.items()
             means[met] = planner | others
-            against = [Contrast(head, case, greedy, met) for head, case in planner.items()]
-            minus += [*against, Contrast(oracle, bound, greedy, met)]
-            drawn += [replace(one, head=f"{one.head}: {met}") for one in against]
+            compared = (*planner.items(), oracle)
+            minus += [Contrast(head, case, greedy, met) for head, case in compared]
         end = logs.suffix(world)
         tables += [
             _means(f"wrong-{world}", f"Means in unexpected worlds{end}", means),
             _minus(f"wrong-greedy-{world}", f"Minus greedy{end}", minus),
         ]
-        title = f"The belief planner in worlds that it does not expect{end}"
-        caption = "Difference to Greedy on the same episodes."
-        pictures.append(_picture(f"wrong-{world}", title, caption, drawn))
     assumed = logs.info.scenario["prior"]
     plural = "" if assumed["hotspots"] == 1 else "s"
     words = (
@@ -108,7 +88,7 @@ def _wrong(logs: StudyLogs) -> Section:
         f"{assumed['drift_node_per_step']:g} nodes per step and axis; with `robust` up to three "
         "hotspots and twice the drift. The worlds here are different."
     )
-    return Section("wrong", "Unexpected worlds", words, tables, pictures)
+    return Section("wrong", "Unexpected worlds", words, tables)
 
 
 def sections(logs: StudyLogs) -> list[Section]:

@@ -3,7 +3,7 @@
 from mjforage.runs.studies.sensing import ASSUMPTIONS, AXES, PLANNER, SLOPE_NODE
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.along_axes import tables_along
-from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure
+from mjforage.view.report.studies.axis_figure import axis_figures
 from mjforage.view.report.studies.study_logs import StudyLogs
 
 COMPARED = ("pta_c", "nt50", "nt90", "csr", "handover")
@@ -11,16 +11,10 @@ SHOWN = (*COMPARED, "pta_d", "rmse", "brier_skill", "calibration_error")
 
 
 def _performance(logs: StudyLogs) -> Section:
-    drawn = [
-        axis_figure(
-            f"axes-{world}",
-            f"Performance over the limits of sensing{logs.suffix(world)}",
-            "Limits of sensing, one at a time, against perfect sensing.",
-            AxisFigure(logs, world, AXES, logs.policies),
-            ("missed items", "p over distance", "false alarms", "field of view"),
-        )
-        for world in logs.worlds
-    ]
+    caption = "Limits of sensing, one at a time, against perfect sensing."
+    about = "axes", "Performance over the limits of sensing", caption
+    heads = ("missed items", "p over distance", "false alarms", "field of view")
+    drawn = axis_figures(logs, about, AXES, logs.policies, heads)
     words = (
         "The belief planner knows p and the rate of false alarms (`[prior]`), but neither that "
         "items stay hidden nor how long false alarms stay. Where p falls with distance, it is "
@@ -30,24 +24,12 @@ def _performance(logs: StudyLogs) -> Section:
     return Section("performance", "Performance over sensing", words, tables, drawn)
 
 
-def _planners(logs: StudyLogs) -> tuple[str, ...]:
-    """Policies that assume something."""
-    return tuple(one for one in logs.policies if one.partition("(")[0] in PLANNER)
-
-
 def _assumed(logs: StudyLogs) -> Section:
-    players = _planners(logs)
-    drawn = [
-        axis_figure(
-            f"assumed-{world}",
-            f"Right and wrong assumptions{logs.suffix(world)}",
-            "Assumptions of the planner, over the true values.",
-            AxisFigure(logs, world, ASSUMPTIONS, players),
-            ("chance of detection", "false alarms"),
-        )
-        for world in logs.worlds
-        if players
-    ]
+    caption = "Assumptions of the planner, over the true values."
+    about = "assumed", "Right and wrong assumptions", caption
+    planners = tuple(one for one in logs.policies if one.partition("(")[0] in PLANNER)
+    heads = ("chance of detection", "false alarms")
+    drawn = axis_figures(logs, about, ASSUMPTIONS, planners, heads) if planners else []
     return Section("assumed", "Right and wrong assumptions", pictures=drawn)
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from mjforage.base.errors import UserError
 from mjforage.mission.scoring import Description, describe
@@ -24,20 +23,10 @@ class StudyLogs:
     costs: Mapping[str, tuple[Cost, ...]]  # of every variant
 
     @property
-    def kind(self) -> str:
-        """Kind of study."""
-        return self.info.kind
-
-    @property
     def worlds(self) -> tuple[str, ...]:
         """Worlds in which any variant is played."""
         own = (world for one in self.info.variants.values() for world in one.worlds)
         return tuple(dict.fromkeys((*self.info.worlds, *own)))
-
-    @property
-    def options(self) -> Mapping[str, Any]:
-        """Options of the study besides those of every one."""
-        return self.info.options
 
     @property
     def bounds(self) -> frozenset[str]:
@@ -45,14 +34,9 @@ class StudyLogs:
         return frozenset(policy for one in self.runs.values() for policy in one.run.bounds)
 
     @property
-    def first(self) -> str:
-        """The variant that is the scenario as it is."""
-        return next(iter(self.info.variants))
-
-    @property
     def whole(self) -> RunLogs:
-        """Logs of that variant."""
-        return self.runs[self.first]
+        """Logs of the variant that is the scenario as it is."""
+        return next(iter(self.runs.values()))
 
     @property
     def base(self) -> RunInfo:

@@ -11,6 +11,7 @@ import numpy as np
 from mjforage.base.atomic_files import write_bytes
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.knowledge_record import KnowledgeRecord
+from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.web_replay import WebReplay, web_replay
 
 MakeRun = Callable[..., Path]
@@ -95,7 +96,7 @@ def with_link(folder: Path) -> Recording:
 
 
 def shown(folder: Path) -> WebReplay:
-    result = web_replay({"": folder})
+    result = web_replay({"": load_logs(folder)})
     assert result is not None
     return result
 

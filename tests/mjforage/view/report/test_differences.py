@@ -50,7 +50,6 @@ def test_a_page_of_few_episodes_says_so_and_has_no_bold_interval(
 ) -> None:
     folder = make_run(episodes=episodes)
     table = comparison_table(load_logs(folder))
-    assert table is not None
     assert (write_report(folder).read_text("utf-8").count(NOTE) == 1) is few
     assert any(row.best for row in table.rows) is not few
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-from matplotlib.collections import LineCollection
 
-from mjforage.view.page.figure import house_style
+from mjforage.view.page.figure import canvas, house_style
+from mjforage.view.page.style import policy_styles
 from mjforage.view.report.curves import time_series
 from mjforage.view.report.distributions import distribution_figures, item_latencies
 from mjforage.view.report.run_logs import Case, load_logs
@@ -43,15 +43,15 @@ def test_latencies_are_of_what_scouts_found_and_foragers_took(folder: Path) -> N
     assert item_latencies(Case(logs, "graph", "levy")).size == 0
 
 
-def test_bars_of_a_figure_are_quartiles(folder: Path) -> None:
-    """Of .5, .25 and 1: .375 and .75 about .5."""
+def test_boxes_of_a_figure_are_quartiles_of_their_policy(folder: Path) -> None:
+    """Greedy: .5, .25 and 1, quartiles .375 and .75 about .5. Levy has no latency."""
     with house_style():
         latency = distribution_figures(load_logs(folder))[0]
     axes = latency.figure.axes[0]
-    lines = [np.ravel(line.get_ydata()).tolist() for line in axes.lines]
-    bars = [one for one in axes.collections if isinstance(one, LineCollection)]
-    ends = [segment[:, 1].tolist() for one in bars for segment in one.get_segments()]
-    assert ends == [[0.375, 0.75]] and [0.5] in lines
+    (greedy, *others) = [np.asarray(box.get_path().vertices) for box in axes.patches]
+    assert (greedy[:, 1].min(), greedy[:, 1].max()) == (0.375, 0.75)
+    assert all(np.isnan(one[:, 1]).all() for one in others)
+    assert [0.5, 0.5] in [np.ravel(line.get_ydata()).tolist() for line in axes.lines]
     assert axes.get_ylabel() == "DSL"
 
 
@@ -65,3 +65,8 @@ def test_courses_have_their_means_and_bands_over_parts_of_the_horizon(folder: Pa
     assert found.time.tolist() == pytest.approx([step / 12 for step in range(13)])
     assert (found.mean[0], found.half[0], found.n[0]) == pytest.approx((4.0, 1.96, 10))
     assert (found.mean[6], found.half[6], found.n[6]) == (1.0, 0.0, 1)
+    axes = canvas(4.0, 3.0).subplots()
+    found.draw(axes, policy_styles(["greedy"])["greedy"], "-", 0, 1)
+    band = np.asarray(axes.collections[0].get_paths()[0].vertices)
+    first = band[np.isclose(band[:, 0], 0.0), 1]
+    assert (first.min(), first.max()) == pytest.approx((4 - 1.96, 4 + 1.96))

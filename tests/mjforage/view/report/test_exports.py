@@ -38,9 +38,7 @@ def test_tables_and_figures_are_written_in_the_formats_wanted(
     written: list[dict[str, bytes]],
 ) -> None:
     kinds = ("tex", "csv", "md")
-    assert {f"{name}.{kind}" for name in ("headline", "table-2") for kind in kinds} <= set(
-        written[0]
-    )
+    assert {f"{name}.{kind}" for name in ("headline", "paper") for kind in kinds} <= set(written[0])
     assert re.search(r"<text[^>]*>greedy</text>", written[0]["pta.svg"].decode())
     pdf = written[0]["pta.pdf"]
     assert (pdf.startswith(b"%PDF") and b"/CIDFontType2" in pdf) or b"/TrueType" in pdf

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-from matplotlib.collections import PathCollection
 
 from mjforage.metrics import paired_difference
 from mjforage.mission.scoring import describe
@@ -16,15 +15,14 @@ from mjforage.view.page.figure import ReportFigure, canvas
 from mjforage.view.report import write_report
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.differences import MANY, NORMAL, SEED, Difference, family_note
-from mjforage.view.report.distributions import DOTS, distribution_figures
-from mjforage.view.report.report_page import draw_tables
+from mjforage.view.report.report_page import report_page
 from mjforage.view.report.run_logs import TRACK_STEPS, load_logs
 from mjforage.view.report.sections import ROWS, cut
-from mjforage.view.report.shown import BEST, PAIRS, WORST, only, shown_policies
+from mjforage.view.report.shown import PAIRS, POLICIES, only, shown_policies
 from mjforage.view.report.step_means import POINTS
 from mjforage.view.report.track_figure import tracks_figure
 from tests.mjforage.conftest import Command
-from tests.mjforage.view.report.large_runs import of_episodes, of_policies
+from tests.mjforage.view.report.large_runs import of_policies
 
 MakeRun = Callable[..., Path]
 MOST_BYTES = 5_000_000
@@ -40,21 +38,21 @@ def names(*numbers: int) -> tuple[str, ...]:
     return tuple(f"policy-{i:04d}" for i in numbers)
 
 
-def test_of_200_policies_the_best_and_the_worst_are_shown(many: Path) -> None:
+def test_of_200_policies_the_best_are_shown(many: Path) -> None:
     logs = load_logs(many)
-    chosen = names(*range(BEST), *range(200 - WORST, 200))
-    assert shown_policies(logs) == chosen
+    best = names(*range(POLICIES))
+    assert shown_policies(logs) == best
     assert shown_policies(logs, names(7, 3)) == names(3, 7)
-    shown = only(logs, chosen)
-    tables = draw_tables(logs, shown)
-    (headline,), (paired,) = tables["headline"], tables["paired"]
+    shown = only(logs, best)
+    tables = {table.name: table for table in report_page(logs, shown, ()).tables}
+    headline, paired = tables["headline"], tables["paired"]
     assert len(headline.rows) == 200
     assert {row.group.count("policy-") for row in paired.rows} == {2}
-    assert len({row.group for row in paired.rows}) == 12 * 11 // 2 <= PAIRS
-    assert len(tracks_figure(shown).figure.axes) <= 15
+    assert len({row.group for row in paired.rows}) == 20 * 19 // 2 <= PAIRS
+    assert len(tracks_figure(shown).figure.axes) <= 20
     for picture in time_figures(shown):
         for axes in picture.figure.axes:
-            assert len(axes.lines) <= 12
+            assert len(axes.lines) <= 20
 
 
 @pytest.mark.usefixtures("unprinted")
@@ -62,8 +60,8 @@ def test_the_page_says_what_it_leaves_out_and_the_files_have_all(
     many: Path, command: Command, refused: Callable[..., str]
 ) -> None:
     page = write_report(many).read_text()
-    assert len(page) < MOST_BYTES / 5  # what is left is for figures and replay
-    assert "show 12 of the 200 policies: the best and the worst by" in page
+    assert len(page) < MOST_BYTES / 3  # what is left is for figures and replay
+    assert "show 20 of the 200 policies: the best by" in page
     assert "<code>mjforage report FOLDER --policy NAME --policy NAME</code> shows others" in page
     csv = pl.read_csv(many / "tables" / "metrics.csv", infer_schema_length=None)
     assert csv["policy"].n_unique() == 200
@@ -76,14 +74,6 @@ def test_the_page_says_what_it_leaves_out_and_the_files_have_all(
         "report", many, "--policy", "ogr"
     )
     assert "is for the report of one run" in refused("report", many, many, "--policy", "ogr")
-
-
-def test_of_many_episodes_so_many_points_are_drawn(make_run: MakeRun) -> None:
-    folder = of_episodes(make_run(episodes=10, horizon=4), 20_000)
-    for picture in distribution_figures(load_logs(folder)):
-        drawn = [one for one in picture.figure.axes[0].collections if type(one) is PathCollection]
-        assert drawn and all(len(np.asarray(one.get_offsets())) <= DOTS for one in drawn)
-        assert f"Of 20000 episodes {DOTS} points, evenly spaced quantiles" in picture.caption
 
 
 def test_of_a_long_horizon_so_many_steps_are_drawn(make_run: MakeRun) -> None:

@@ -47,7 +47,6 @@ def test_episodes_that_one_of_two_lacks_are_no_pairs() -> None:
     other = [1.0, nan, 5.0, 7.0, 4.0, 2.0, 2.0, 2.0, 2.0, 2.0]
     means = {("graph", "greedy"): {"csr": some}, ("graph", "levy"): {"csr": other}}
     table = comparison_table(known_run(means))
-    assert table is not None
     (row,) = table.rows
     assert row.values[0] is not None and row.values[0].value == -0.125
     assert (row.cells[3:], row.best) == (("0.36", "8"), frozenset())
@@ -71,7 +70,6 @@ def test_which_pairs_differ_is_told_pair_by_pair() -> None:
         ("hulls", "levy"): {"pta_c": [50.0] * 10},
     }
     table = comparison_table(known_run(means))
-    assert table is not None
     assert [(row.group, set(row.best)) for row in table.rows] == [
         ("greedy − levy · graph", set()),
         ("greedy − levy · hulls", {0}),

@@ -1,10 +1,9 @@
 """Marginal contributions of a study whose means are known: two worlds, two policies."""
 
-import numpy as np
 import pytest
 
 from mjforage.view.page.style import policy_colour
-from mjforage.view.report.studies import ablation, forest
+from mjforage.view.report.studies import ablation
 from mjforage.view.report.studies.study_logs import StudyLogs
 from tests.mjforage.view.report.known_data import Means, episodes_of, known_study
 
@@ -85,28 +84,3 @@ def test_fleets_stand_with_their_own_means(study: StudyLogs) -> None:
     assert also[nt] == "12.5 min", "half of 150 steps of 10 s"
     papers = [(row.group, row.cells[pta]) for row in table.rows if row.paper]
     assert papers == [("greedy", "98.20"), ("greedy", "82.26"), ("greedy", "94.89")]
-
-
-def test_contributions_are_drawn_in_their_row_and_panel_with_the_papers_star(
-    study: StudyLogs,
-) -> None:
-    graph, hulls = ablation.pictures(study)
-    order = [(team, policy) for team in ("scouts", "foragers") for policy in ("greedy", "auction")]
-    for world, picture in (("graph", graph), ("hulls", hulls)):
-        assert picture.name == f"contribution-{world}"
-        for place, key in enumerate(("pta_c", "nt90")):
-            panel = picture.figure.axes[ablation.KEYS.index(key)]
-            assert panel.get_xlabel() == "", "right is better, of costs too"
-            found = {}
-            for line in panel.lines:
-                x, y = np.ravel(line.get_xdata()), np.ravel(line.get_ydata())
-                if line.get_marker() not in ("None", "", forest.PAPER):
-                    full = line.get_markerfacecolor() == line.get_color()
-                    found[int(y[0])] = (float(x[0]), line.get_color(), full)
-            for row, (team, policy) in enumerate(order):
-                worth = WORTH[team, world, policy][place]
-                at, colour, full = found[row]
-                assert at == pytest.approx(worth, abs=1e-12)
-                assert (colour, full) == (policy_colour(policy), bool(worth))
-    names = [one.get_text() for one in graph.figure.axes[0].get_yticklabels()]
-    assert names == [f"{policy}, {team}" for team, policy in order]

@@ -5,7 +5,7 @@ from pathlib import Path
 from mjforage.runs.costs import Cost
 from mjforage.runs.studies.study import StudyInfo
 from mjforage.view.page.table import Table
-from mjforage.view.report.studies.cost import cost_table, throughput_table
+from mjforage.view.report.studies.cost import cost_table
 from mjforage.view.report.studies.study_logs import StudyLogs
 
 CALLS = {"monday": 1, "tuesday": 4}
@@ -57,27 +57,3 @@ def test_cpu_time_per_episode_is_of_each_policy_without_first_chunks() -> None:
     assert greedy["CPU time ms per decision"] == "10.7", "32 CPU s for 3,000 of them"
     assert greedy["episodes per chunk"] == "10.0"
     assert levy["CPU time s per episode"] == "4.00"
-
-
-def test_throughput_of_a_policy_does_not_hang_on_what_else_a_call_computed() -> None:
-    # Monday, one worker: 10 episodes of greedy in 100 s, then 10 of levy in 1,000 s. Tuesday, four:
-    # greedy alone, 40 episodes in 100 s.
-    tuesday = tuple(
-        chunk("greedy", 5000.0, 100.0, call="tuesday", worker=f"b-{n}") for n in range(4)
-    )
-    logs = study((chunk("greedy", 0.0, 100.0), chunk("levy", 100.0, 1000.0)), tuesday)
-    table = throughput_table(logs)
-    alone, shared = cells(table, "greedy: tuesday UTC"), cells(table, "greedy: monday UTC")
-    assert (shared["episodes per s"], alone["episodes per s"]) == ("0.10", "0.40")
-    assert cells(table, "levy: monday UTC")["episodes per s"] == "0.01"
-    assert (shared["busy %"], alone["busy %"]) == ("80", "80")
-
-
-def test_workers_that_wait_lower_the_throughput() -> None:
-    calls = (
-        chunk("greedy", 0.0, 10.0, call="tuesday", worker="a-1"),
-        chunk("greedy", 0.0, 30.0, call="tuesday", worker="a-2"),
-    )
-    row = cells(throughput_table(study(calls)), "greedy: tuesday UTC")
-    assert row["episodes per s"] == "0.67"
-    assert row["busy %"] == "27"

@@ -82,16 +82,6 @@ def test_a_relay_is_worth_what_it_adds_to_nobody(links: StudyLogs) -> None:
         assert [gain.strip("*").split()[0] for gain in gains] == ["16.00", "20.00", "32.00"]
 
 
-def test_the_cost_of_information_begins_with_no_link(links: StudyLogs) -> None:
-    """NT90 falls by 16/128 in 16 m, 7.8125 per kilometre; with hulls by half of that."""
-    tables = communication._range_cost(links).tables
-    assert [table.name for table in tables] == ["range-cost-graph", "range-cost-hulls"]
-    for table, cost in zip(tables, (-7.8125, -3.90625), strict=True):
-        assert table.columns == ("0 to 16 m",)
-        for row in table.rows:
-            assert row.number(0) == pytest.approx((cost,) * 3)
-
-
 def test_what_is_sensed_and_what_is_assumed_are_drawn_world_by_world(looks: StudyLogs) -> None:
     """Half of the looks miss: 64, and 56 where the planner takes that for none."""
     performance, assumed = sensing._performance(looks), sensing._assumed(looks)

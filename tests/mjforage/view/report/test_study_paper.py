@@ -13,15 +13,14 @@ from mjforage.runs.studies.study import Study, run_study
 from mjforage.runs.studies.variants import corrupted_name
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.page.html import environment
-from mjforage.view.page.table import NOTHING, Number, Row, Table
-from mjforage.view.report.sections import Section
+from mjforage.view.page.table import NOTHING, Number
 from mjforage.view.report.studies import (
     ablation,
     corruption,
+    numbered,
     paper,
     write_study_report,
 )
-from mjforage.view.report.studies.as_in_paper import referred
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
 from mjforage.view.report.studies.study_page import opening_sections
 from tests.mjforage.view.report.known_data import Means, cells, known_study
@@ -96,7 +95,6 @@ def test_our_numbers_stand_beside_the_papers_with_their_difference() -> None:
     assert found[hulls, "MC of PTA_C, one of scouts"][2] == f"{share:.4f}"
     assert found[hulls, "SS of PTA_C, scouts corrupted"][2] == "−36.00", "8 less at no level"
     assert found[here, "RMSE"] == ("–", "0.0069", *("–",) * 4), "ours are not defined"
-    assert table is not None
     (full,) = [row for row in table.rows if (row.group, row.head) == (here, "PTA_C")]
     theirs, ours, apart = full.number(1), full.number(2), full.number(4)
     assert theirs == pytest.approx((97.2, 96.69, 97.71))
@@ -105,7 +103,6 @@ def test_our_numbers_stand_beside_the_papers_with_their_difference() -> None:
 
     other = known_study(variants, scenario="published", step=0.25, whole_team=False)
     table = paper.beside_table(other, corruption.Fits(other))
-    assert table is not None
     slopes = [row for row in table.rows if row.head.startswith("SS of")]
     assert len(slopes) == 2 and {(row.cells[-1], row.note) for row in slopes} == {(NOTHING, WORDS)}
 
@@ -154,11 +151,12 @@ def test_one_level_beside_a_break_has_no_slope(place: int, cut: set[str]) -> Non
 
 
 def test_titles_name_the_papers_tables_and_figures(study: Make) -> None:
-    sections = referred([*opening_sections(study(True)), *paper.sections(study(True))])
+    sections = [*opening_sections(study(True)), *paper.sections(study(True))]
+    sections = list(map(numbered, sections))
     titles = {one.name: one.title for s in sections for one in s.tables}
     titles |= {one.name: one.title for s in sections for one in s.pictures}
     expected = {
-        **{f"table-{n}": f"Table {n}" for n in (2, 3, 4, 5, 6)},
+        **{f"table-{n}": f"Table {n}" for n in (4, 5, 6)},
         "scenario": "Figure 2",
         "pta": "Figure 4",
         "rmse": "Figure 5",
@@ -170,22 +168,10 @@ def test_titles_name_the_papers_tables_and_figures(study: Make) -> None:
         "corruption-foragers": "Figure 11",
         "gini": "Figure 12",
         "overlap": "Figure 13",
-        "contribution-graph": "Table 6",
     }
     for name, number in expected.items():
         assert f"(paper's {number})" in titles[name], name
     assert "paper's" not in titles["slopes"]
-
-
-def test_who_was_taught_is_marked_wherever_it_is_named() -> None:
-    rows = tuple(Row(name, ("1",), group=name) for name in ("ddqn", "ddqn · hulls", "ddqn-reward"))
-    section = Section("s", "S", tables=[Table("t", "T", ("a",), rows)])
-    marked = [(row.head, row.group) for row in referred([section])[0].tables[0].rows]
-    assert marked == [
-        ("ddqn (taught by the planner)",) * 2,
-        ("ddqn (taught by the planner) · hulls",) * 2,
-        ("ddqn-reward",) * 2,
-    ]
 
 
 def test_nothing_on_a_page_has_the_anchor_or_the_label_of_another(study: Make) -> None:

@@ -1,6 +1,5 @@
 """Worth of parts of the belief planner, and wrong worlds, in a study with known means."""
 
-import numpy as np
 import pytest
 
 from mjforage.runs.studies.variants import PARTS, ROBUST, WRONG, without
@@ -107,21 +106,3 @@ def test_in_each_wrong_world_the_planner_is_held_against_greedy_there(
         assert found[f"is {name} oracle (bound)"] == "38.00 (38.00 to 38.00)"
     means = cells(table(sections[1], "wrong-hulls"))
     assert means[f"is {WRONG[1]}", "belief"][1] == "46.00 ± 1.96"
-
-
-def test_figures_show_what_their_tables_do_and_which_side_is_worse(
-    sections: tuple[Section, Section],
-) -> None:
-    picture = sections[0].pictures[1]
-    assert picture.name == "parts-hulls"
-    panels = picture.figure.axes
-    by_key = dict(zip(planner_parts.COMPARED, panels, strict=False))
-    assert by_key["pta_c"].get_xlabel() == "left is worse"
-    assert by_key["nt90"].get_xlabel() == "right is worse"
-    found = {}
-    for line in by_key["pta_c"].lines:
-        if line.get_marker() not in ("None", ""):
-            found[float(np.ravel(line.get_ydata())[0])] = float(np.ravel(line.get_xdata())[0])
-    assert found == {0.0: -8.0, 1.0: 1.0, 2.0: -2.0, 3.0: -10.0, 4.0: 16.0}
-    heads = [one.get_text() for one in panels[0].get_yticklabels()]
-    assert heads == [f"without {FIRST}", f"without {SECOND}", "robust", "greedy", "oracle (bound)"]
