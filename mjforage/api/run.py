@@ -4,6 +4,7 @@ import shutil
 import tempfile
 import weakref
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -311,19 +312,16 @@ class Run:
     ) -> "Player":
         """The web player of an episode, inline in a notebook; raises as `film`."""
         from mjforage.view.report.sections import Page
-        from mjforage.view.report.web_replay import web_replay
 
         shown = self.recording(policy, world=world, episode=episode)
         with tempfile.TemporaryDirectory(prefix="mjforage-") as name:
             folder = Path(name)
-            for file in ("run.json", "episodes.parquet"):
-                shutil.copyfile(self._folder / file, folder / file)
             write_bytes(
                 recording_file(folder, shown.world, shown.policy, shown.episode), shown.content()
             )
             lead = f"{shown.policy} in world {shown.world}, episode {shown.episode}"
             page = Page(self._info.name, lead, [], self._info.versions.get("mjforage", ""))
-            return Player(page.text(folder, lambda room: web_replay({"": folder}, room)))
+            return Player(page.text(folder, {"": replace(self._logs, folder=folder)}))
 
     def recording(
         self, policy: str | None = None, *, world: str | None = None, episode: int = 0
