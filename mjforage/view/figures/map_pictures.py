@@ -48,7 +48,7 @@ def map_figure(grids: Sequence[GridMap], starts: Starts = ()) -> Figure:
         for axes, grid in zip(every, grids, strict=False):
             rows, columns = grid.navigable.shape
             _draw_water(axes, grid.navigable)
-            _draw_quays(axes, grid.navigable, float(np.clip(12.0 * inch, 0.2, 1.6)))
+            draw_quays(axes, grid.navigable, float(np.clip(12.0 * inch, 0.2, 1.6)))
             axes.set_aspect("equal")
             if alone:
                 _name(axes, grid)
@@ -96,7 +96,7 @@ def _draw_water(axes: Axes, navigable: NDArray[np.bool_]) -> None:
     axes.imshow(colours, interpolation="nearest")
 
 
-def _draw_quays(axes: Axes, navigable: NDArray[np.bool_], points: float) -> None:
+def draw_quays(axes: Axes, navigable: NDArray[np.bool_], points: float) -> None:
     """Line so wide between each water cell and the land beside it; the array's own edge is open."""
     rows, cols = np.nonzero(navigable[:, 1:] != navigable[:, :-1])
     lines = [((c + 0.5, r - 0.5), (c + 0.5, r + 0.5)) for r, c in zip(rows, cols, strict=True)]
