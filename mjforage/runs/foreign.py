@@ -10,6 +10,7 @@ from mjforage.base.errors import UserError
 from mjforage.scenario.schema import shown
 
 _NAME = re.compile(r"\w[\w.@+-]{0,99}")
+_LARGEST = 200_000_000  # bytes of a JSON file: more than the summary of any run takes
 
 
 def check_files(file: Path) -> None:
@@ -57,3 +58,10 @@ def check_names(where: str, names: Mapping[str, Iterable[object]]) -> None:
                     f"{where}: {key}: {shown(name)} can be no part of a file's name; the folder is "
                     "damaged or not of mjforage: make it again"
                 )
+
+
+def check_length(path: Path, remedy: str) -> None:
+    """Refuse a JSON file that is too large to be ours; raises `UserError`, ending in the remedy."""
+    with suppress(OSError):
+        if (size := path.stat().st_size) > _LARGEST:
+            raise UserError(f"{path}: {size / 1e6:.0f} MB are more than any run writes; {remedy}")

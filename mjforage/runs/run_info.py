@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.fields import Note, Within
 from mjforage.mission.scoring import Description
-from mjforage.runs.foreign import check_files, check_names
+from mjforage.runs.foreign import check_files, check_length, check_names
 from mjforage.scenario.schema import OPEN, check
 
 AGAIN = "run the command that made this folder again"
@@ -159,6 +159,7 @@ def read_json(path: Path) -> dict[str, Any]:
     UserError
         If the file is missing, not readable, truncated or not an object.
     """
+    check_length(path, REMEDY)
     try:
         value = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:

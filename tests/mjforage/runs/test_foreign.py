@@ -13,10 +13,11 @@ import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
+from mjforage.runs import foreign
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.resuming import archive, open_folder
-from mjforage.runs.run_info import load_run
+from mjforage.runs.run_info import load_run, read_json
 from mjforage.runs.selection import recording_file
 from mjforage.runs.studies.study import load_study_info
 from mjforage.scenario import sizes
@@ -178,3 +179,11 @@ def test_files_that_unpack_to_more_than_the_machine_has_are_refused(
     monkeypatch.setattr(sizes, "machine_bytes", lambda: 10**6)
     with pytest.raises(UserError, match=r"greedy-0.npz needs about 0 GB of memory, this machine"):
         Recording.load(path)
+
+
+def test_a_json_file_larger_than_any_of_ours_is_refused(
+    run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(foreign, "_LARGEST", 100)
+    with pytest.raises(UserError, match=r"run.json: 0 MB are more than any run writes; run the"):
+        read_json(run / "run.json")
