@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from mjforage.api.players import player_names
+from mjforage.api.players import Players
 from mjforage.api.progress import bar
 from mjforage.api.run import Run
 from mjforage.api.scenarios import Named, scenario_of
@@ -77,14 +77,14 @@ def evaluate(
     check_whole(episodes=episodes, seed=seed, jobs=jobs)
     check_kinds(folder, resume, progress)
     worlds = worlds_of(world)
-    names = player_names(policies)
+    players = Players.of(policies)
     setup = scenario_of(scenario, changes)
     temporary = Path(tempfile.mkdtemp(prefix="mjforage-")) if folder is None else None
     target = Path(folder) if folder is not None else temporary / "run"  # type: ignore[operator]
     options: dict[str, Any] = {"episodes": episodes, "seed": seed, "worlds": worlds}
     options |= {"metrics": tuple(metrics), "kept": tuple(record), "resume": resume}
     try:
-        with bar("evaluate", "episodes", progress) as shown:
+        with players.known() as names, bar("evaluate", "episodes", progress) as shown:
             run_evaluate(
                 setup,
                 names,
@@ -96,7 +96,7 @@ def evaluate(
     except KeyboardInterrupt:
         if not (target / "run.json").is_file():
             raise
-    return Run(target, temporary)
+    return Run(target, temporary, players)
 
 
 def compare(
@@ -157,9 +157,7 @@ def load_run(folder: Named, *, policies: object = ()) -> Run:
     Run(open-bay, graph, greedy, 1 episode, seed 0)
     """
     check_kinds(folder)
-    if policies:
-        player_names(policies)
-    return Run(Path(folder))
+    return Run(Path(folder), players=Players.of(policies))
 
 
 def worlds_of(world: object) -> tuple[str, ...]:

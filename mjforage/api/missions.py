@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.api.functions import CHOSEN, OTHERWISE_STAY, Move, move_number
-from mjforage.api.players import player_names
+from mjforage.api.players import Players
 from mjforage.api.scenarios import Named, scenario_of
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
@@ -146,10 +146,10 @@ class Mission:
             If there is no such policy, or no episode has been started.
         """
         self._check_started("play")
-        name, *others = player_names(policy)
-        if others:
-            raise UserError(f"play: {1 + len(others)} policies; give one")
-        player = create_policy(name)
+        with Players.of(policy).known() as names:
+            if len(names) != 1:
+                raise UserError(f"play: {len(names)} policies; give one")
+            player = create_policy(names[0])
         self._core.prepare(player)
 
         def states() -> Iterator[State]:

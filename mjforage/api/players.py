@@ -4,7 +4,9 @@ import copy
 import inspect
 import reprlib
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -23,45 +25,76 @@ _HANDED = ("set_ground_truth", "parts", "libraries")
 """Attributes of a policy's class by which a run tells what it is."""
 
 
-def player_names(policies: Any) -> list[str]:
-    """References to policies; what is not a name becomes one, known in this process.
+@dataclass(frozen=True)
+class Players:
+    """Policies by name, and the classes of those that are objects of this process.
 
-    Parameters
+    Attributes
     ----------
-    policies : one policy, several in a list, or a dict of name -> policy
-
-    Raises
-    ------
-    UserError
-        If one is in no form that is known, or its name is that of another.
+    names : references, in order
+    objects : name -> class
     """
-    if isinstance(policies, Mapping):
-        return [_reference(one, _checked(str(name))) for name, one in policies.items()]
-    several = isinstance(policies, Iterable) and not isinstance(policies, str | Path)
-    return [_reference(one, "") for one in (policies if several else [policies])]
+
+    names: tuple[str, ...] = ()
+    objects: Mapping[str, type] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, policies: Any) -> "Players":
+        """Policies in any form.
+
+        Parameters
+        ----------
+        policies : one policy, several in a list, or a dict of name -> policy
+
+        Raises
+        ------
+        UserError
+            If one is in no form that is known.
+        """
+        if isinstance(policies, Mapping):
+            found = [_found(one, _checked(str(name))) for name, one in policies.items()]
+        else:
+            several = isinstance(policies, Iterable) and not isinstance(policies, str | Path)
+            found = [_found(one, "") for one in (policies if several else [policies])]
+        names = [one if isinstance(one, str) else _checked(one.__name__) for one in found]
+        objects = {
+            name: one for name, one in zip(names, found, strict=True) if not isinstance(one, str)
+        }
+        return cls(tuple(names), objects)
+
+    @contextmanager
+    def known(self) -> Iterator[list[str]]:
+        """Let the registry of policies find the objects by name; yields the names.
+
+        Raises
+        ------
+        UserError
+            If a name is that of another policy.
+        """
+        POLICIES.put(self.objects)
+        try:
+            yield list(self.names)
+        finally:
+            POLICIES.put({})
 
 
-def _reference(policy: Any, name: str) -> str:
+def _found(policy: Any, name: str) -> str | type:
+    """Name of a policy, or class of one that is an object."""
     if isinstance(policy, str | Path):
         return _of_text(str(policy), name)
     if inspect.isclass(policy):
         if not name and _importable(policy):
             return _import_name(policy)
-        return _put(_of_class(policy, name or policy.__name__))
+        return _of_class(policy, name or policy.__name__)
     if callable(getattr(policy, "act", None)) and callable(getattr(policy, "reset", None)):
-        return _put(_of_object(policy, name or type(policy).__name__))
+        return _of_object(policy, name or type(policy).__name__)
     if callable(getattr(policy, "predict", None)):
         from mjforage.api.models import policy_of_model
 
-        return _put(policy_of_model(policy, name or type(policy).__name__))
+        return policy_of_model(policy, name or type(policy).__name__)
     if callable(policy):
-        return _put(policy_of_function(policy, name or getattr(policy, "__name__", "")))
+        return policy_of_function(policy, name or getattr(policy, "__name__", ""))
     raise UserError(f"policy {reprlib.repr(policy)}: is {type(policy).__name__}; give {FORMS}")
-
-
-def _put(made: type) -> str:
-    POLICIES.put(name := _checked(made.__name__), made)
-    return name
 
 
 def _checked(name: str) -> str:
@@ -71,7 +104,7 @@ def _checked(name: str) -> str:
     return name
 
 
-def _of_text(text: str, name: str) -> str:
+def _of_text(text: str, name: str) -> str | type:
     if name and not text.endswith(".safetensors"):
         raise UserError(f"policy {name}: is {text}, which has its name; give it in a list")
     if text.endswith(".zip"):
@@ -82,7 +115,7 @@ def _of_text(text: str, name: str) -> str:
     return _of_weights(Path(text), name) if text.endswith(".safetensors") else text
 
 
-def _of_weights(path: Path, name: str) -> str:
+def _of_weights(path: Path, name: str) -> str | type:
     if not path.is_file():
         raise UserError(f"policy {path}: there is no such file; train weights, or mend the path")
     name = name or path.stem
@@ -90,7 +123,7 @@ def _of_weights(path: Path, name: str) -> str:
         return name
     player, place = weights_player(), path.resolve()
     members = {"__new__": lambda cls: player(place), "__module__": "__main__"}
-    return _put(type(name, (), {**_handed(player), **members, "source_hash": "weights"}))
+    return type(name, (), {**_handed(player), **members, "source_hash": "weights"})
 
 
 def _of_class(made: type, name: str) -> type:

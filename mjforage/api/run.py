@@ -14,6 +14,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from mjforage.api.players import Players
 from mjforage.api.scenarios import Named, Scenario
 from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from mjforage.view.page import Table
     from mjforage.view.report.run_logs import RunLogs
 
+NOBODY = Players()
+
 
 class Run:
     """Policies on the same episodes, in one world or several; made by `evaluate` and `load_run`.
@@ -50,8 +53,11 @@ class Run:
     ['world', 'policy', 'metric', 'mean', 'low', 'high', 'sem', 'iqm', 'n']
     """
 
-    def __init__(self, folder: Path, temporary: Path | None = None) -> None:
+    def __init__(
+        self, folder: Path, temporary: Path | None = None, players: Players = NOBODY
+    ) -> None:
         """Open a run folder; a temporary one around it goes when the run does."""
+        self._players = players
         self._folder, self._in_memory = folder, temporary is not None
         if temporary is not None:
             weakref.finalize(self, shutil.rmtree, temporary, ignore_errors=True)
@@ -334,7 +340,8 @@ class Run:
             If the run has no such episode, or it does not come out as it was logged.
         """
         self._check_complete()
-        return recording_of_run(self._folder, world, policy, episode)
+        with self._players.known():
+            return recording_of_run(self._folder, world, policy, episode)
 
     def _table(self, name: str) -> pl.DataFrame:
         folder = RunFolder(self._folder)

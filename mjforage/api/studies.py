@@ -9,9 +9,9 @@ from typing import Any
 import polars as pl
 
 from mjforage.api.evaluating import check_kinds, check_whole, worlds_of
-from mjforage.api.players import player_names
+from mjforage.api.players import Players
 from mjforage.api.progress import bar
-from mjforage.api.run import Run
+from mjforage.api.run import NOBODY, Run
 from mjforage.api.scenarios import Named, scenario_of
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
@@ -72,8 +72,8 @@ class Study:
     ('levy',)
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, players: Players = NOBODY) -> None:
+        self.folder, self._players = folder, players
         self._info = load_study_info(folder / "study.json")
 
     @property
@@ -91,7 +91,7 @@ class Study:
         """
         if variant not in self.variants:
             raise UserError(f"variant {variant!r}: unknown; {nearest(variant, self.variants)}")
-        return Run(variant_folder(self.folder, variant))
+        return Run(variant_folder(self.folder, variant), players=self._players)
 
     @property
     def summary(self) -> pl.DataFrame:
@@ -167,12 +167,14 @@ def study(
         if name not in chosen.options:
             raise UserError(f"option {name!r} of study {kind}: {nearest(name, chosen.options)}")
     given = {**chosen.options, **given}
-    names = player_names(chosen.policies if policies is None else policies)
+    players = Players.of(chosen.policies if policies is None else policies)
     setup = pinned(scenario_of(chosen.scenario if scenario is None else scenario, changes))
-    varied = chosen.varied(setup.scenario, names, *given.values())
-    plan = Plan(kind, setup, varied, worlds_of(world), episodes, seed, given, tuple(metrics))
     words = f"{kind} study of {setup.scenario.name} on map {setup.grid.name}"
-    return _played(plan, folder, workers or Workers(jobs), progress, resume, partial(begin, words))
+    with players.known() as names:
+        varied = chosen.varied(setup.scenario, names, *given.values())
+        plan = Plan(kind, setup, varied, worlds_of(world), episodes, seed, given, tuple(metrics))
+        how = workers or Workers(jobs), progress, resume, partial(begin, words)
+        return _played(plan, folder, players, *how)
 
 
 def board(
@@ -218,16 +220,19 @@ def board(
     """
     check_whole(episodes=episodes, seed=seed, jobs=jobs)
     check_kinds(folder, resume, progress)
-    names = player_names(policies)
+    players = Players.of(policies)
     found = benchmark_tasks(tasks, maps, overrides)
-    plan = board_plan(found, names, episodes=episodes, seed=seed, metrics=metrics)
-    words = f"board of {len({one for each in plan.variants for one in each.policies})} policies"
-    return _played(plan, folder, workers or Workers(jobs), progress, resume, partial(begin, words))
+    with players.known() as names:
+        plan = board_plan(found, names, episodes=episodes, seed=seed, metrics=metrics)
+        count = len({one for each in plan.variants for one in each.policies})
+        words = partial(begin, f"board of {count} policies")
+        return _played(plan, folder, players, workers or Workers(jobs), progress, resume, words)
 
 
 def _played(
     plan: Plan,
     folder: Named,
+    players: Players,
     workers: Workers,
     progress: bool | Callable[[int, int], None] | None,
     resume: Resume,
@@ -236,4 +241,4 @@ def _played(
     with bar(f"study {plan.kind}", "episodes", progress) as shown:
         how: dict[str, Any] = {"progress": shown, "resume": resume}
         run_study(plan, Path(folder), workers=workers, begin=lambda: begin(plan), **how)
-    return Study(Path(folder))
+    return Study(Path(folder), players)

@@ -1,4 +1,4 @@
-"""What a policy that is a plain function sees: one episode before one decision."""
+"""The view of a policy that is a plain function: one episode before one decision."""
 
 from collections.abc import Mapping
 from functools import cached_property

@@ -9,7 +9,7 @@ first: other code than what ships or is installed is imported only if the user h
 import importlib
 import inspect
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -73,19 +73,21 @@ class Registry(Generic[T]):
         self._registered: dict[str, T] = {}
         self._put: dict[str, T] = {}
 
-    def put(self, name: str, made: T) -> None:
-        """Make a class of this process known under a name, in the place of one put there before.
+    def put(self, classes: Mapping[str, T]) -> None:
+        """Make classes of this process known by name, in the place of all that were put before.
 
-        Other processes get it by value, not by its name.
+        Other processes get them by value, not by their names.
 
         Raises
         ------
         UserError
-            If the name is one that is registered or installed.
+            If a name is one that is registered or installed.
         """
-        if self.has(name) and name not in self._put:
-            raise UserError(f"{self.kind} {name}: is the name of another; give yours another name")
-        self._put[name] = made
+        self._put = {}
+        for name in classes:
+            if self.has(name):
+                raise UserError(f"{self.kind} {name}: is the name of another; give yours another")
+        self._put = dict(classes)
 
     def put_here(self, names: Iterable[str]) -> dict[str, T]:
         """Those of some names that `put` has made known."""

@@ -198,9 +198,8 @@ def is_recorded(folder: Path, one: Episode) -> bool:
 
 @lru_cache(maxsize=1)
 def _receive(objects: bytes) -> None:
-    """Make policies known that another process has packed; the last ones stay."""
-    for name, made in cloudpickle.loads(objects).items():
-        POLICIES.put(name, made)
+    """Make the policies known that the process which asked has packed, and no others."""
+    POLICIES.put(cloudpickle.loads(objects) if objects else {})
 
 
 def _done(job: Job, do: Callable[[Setup], None]) -> str | None:
@@ -214,7 +213,7 @@ def _done(job: Job, do: Callable[[Setup], None]) -> str | None:
     try:
         if job.parent is not None and os.getpid() != job.parent:
             _die_with(job.parent)
-        if job.objects and job.parent != os.getpid():
+        if job.parent != os.getpid():
             _receive(job.objects)
         do(_setup(job))
     except UserError as error:

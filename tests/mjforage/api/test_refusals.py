@@ -43,7 +43,7 @@ def fails(view: mf.View) -> dict[str, str]:
 SCENARIOS: list[tuple[Any, dict[str, Any], str]] = [
     (3, {}, "scenario is int; give a name or a TOML file"),
     (None, {}, "scenario is NoneType"),
-    ("", {}, "scenario : neither a preset"),
+    ("", {}, "scenario : neither a shipped scenario"),
     ("comb-prot", {}, "did you mean comb-port"),
     ("missing.toml", {}, "missing.toml"),
     ("a\0b", {}, "scenario a"),
@@ -64,8 +64,8 @@ SCENARIOS: list[tuple[Any, dict[str, Any], str]] = [
     ("comb-port", {"link": {"range_m": 9.0}}, "link.range_m = 9.0 without a link"),
     ("comb-port", {"physics": {"vessels": {"scouts": 7}}}, "vessels"),
     ("comb-port", {"physics": {"vessels": {"nobody": "otter"}}}, "no such team"),
-    ("comb-port", {"map": "nowhere"}, "map 'nowhere': no such file"),
-    ("comb-port", {"map": np.zeros((4, 4), bool)}, "are obstacles"),
+    ("comb-port", {"map": "nowhere"}, "map nowhere: neither a shipped map"),
+    ("comb-port", {"map": np.zeros((4, 4), bool)}, "the array has no water"),
     ("comb-port", {"map": np.ones(4)}, "two axes"),
     ("comb-port", {"map": np.full((4, 4), "x")}, "two axes"),
     ("comb-port", {"map": [[1, 1], [1]]}, "no array"),
@@ -141,7 +141,7 @@ CALLS: list[tuple[Callable[[mf.Scenario], Any], str]] = [
     (lambda bay: mf.make_mission(bay, batch=0), "batch 0: give 1 or more"),
     (lambda bay: mf.make_mission(bay, batch=10**9), "memory"),
     (lambda bay: mf.names("polices"), "kind 'polices': unknown; did you mean policies"),  # type: ignore[arg-type]
-    (lambda bay: mf.Map("nowhere"), "map 'nowhere'"),
+    (lambda bay: mf.Map("nowhere"), "map nowhere: neither"),
     (lambda bay: mf.Map(np.ones((3, 3), bool), pitch_m=0.0), "pitch_m"),
     (lambda bay: mf.Map(np.ones((3, 3), bool), pitch_m=-4.0), "pitch_m"),
     (lambda bay: mf.Map(np.ones((3, 3), bool), starts=((9, 9),)), "start"),

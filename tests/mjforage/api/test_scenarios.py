@@ -84,4 +84,5 @@ def test_a_vessel_is_an_object(bay: mf.Scenario) -> None:
 
 def test_a_map_is_drawn_with_its_starts(bay: mf.Scenario) -> None:
     [axes] = bay.map.plot().axes
-    assert sum(line.get_gid() == "start" for line in axes.lines) == 4
+    [marks] = axes.lines
+    assert list(zip(marks.get_ydata(), marks.get_xdata(), strict=True)) == list(bay.map.starts)

@@ -159,7 +159,7 @@ def test_a_study_corrupts_whole_teams_or_each_agent_as_it_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plans: list[Study] = []
-    monkeypatch.setattr("mjforage.cli.studying._run", lambda plan, *_: plans.append(plan))
+    monkeypatch.setattr("mjforage.api.studies.run_study", lambda plan, *_, **__: plans.append(plan))
     command("study", *words, "--policy", "random", "--step", "0.25")
     (plan,) = plans
     choices = [one.scenario.corruption for one in plan.variants]

@@ -1,6 +1,5 @@
 """docs/concepts/metrics.md has every registered metric, with unit and direction of its class."""
 
-import itertools
 import re
 from pathlib import Path
 
@@ -27,13 +26,11 @@ def test_a_row_has_unit_and_direction_of_the_class(key: str, unit: str, better: 
     assert (unit, better) == (shown.unit or "–", SIGNS[shown.better])
 
 
-def test_every_section_of_metrics_has_picture_equation_and_limits() -> None:
-    """From one table of metrics to the next: a picture before it, what it cannot say after it."""
+def test_every_section_of_metrics_has_equation_and_limits() -> None:
+    """From one table of metrics to the next: an equation, and what it cannot say."""
     parts = PAGE.split("| metric | unit | range | better | undefined |")
     assert len(parts) > 8
-    for before, after in itertools.pairwise(parts):
-        picture = re.findall(r"^!\[[^\]]+\]\(([\w-]+\.svg)\)$", before, re.MULTILINE)[-1]
-        assert (FOLDER / picture).is_file(), picture
+    for after in parts[1:]:
         assert "$$" in after and "Cannot say:" in after, after[:200]
 
 

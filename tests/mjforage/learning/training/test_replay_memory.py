@@ -94,7 +94,7 @@ def test_an_arrays_round_trip_is_the_same_replay() -> None:
     for one in (replay, twin):
         fill(one, (3, 3), (True, True), 60)
     first, second = (one.draw(32, 0.5, np.random.default_rng(1)) for one in (replay, twin))
-    for name in ("rows", "moves", "rewards", "discount", "legal", "weights"):
+    for name in ("rows", "moves", "rewards", "discount", "following_legal", "weights"):
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
     assert first.levels["x"].tobytes() == second.levels["x"].tobytes()
     assert first.following["x"].tobytes() == second.following["x"].tobytes()
