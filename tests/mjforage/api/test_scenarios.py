@@ -85,4 +85,5 @@ def test_a_vessel_is_an_object(bay: mf.Scenario) -> None:
 def test_a_map_is_drawn_with_its_starts(bay: mf.Scenario) -> None:
     [axes] = bay.map.plot().axes
     [marks] = axes.lines
-    assert list(zip(marks.get_ydata(), marks.get_xdata(), strict=True)) == list(bay.map.starts)
+    marked = np.stack((marks.get_ydata(), marks.get_xdata()), axis=1)
+    assert marked.tolist() == [list(cell) for cell in bay.map.starts]
