@@ -12,7 +12,7 @@ class BeliefOptions:
     """Effort and parts of the belief planner."""
 
     fast: bool = False
-    """Search less, for about three times the speed."""
+    """Search less, for about one and a half times the speed."""
     robust: bool = False
     """Assume up to three hotspots of unknown width and number of items, and twice the
     drift of the prior."""
