@@ -93,15 +93,16 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "__version__"})
+    return [*__all__, "__version__"]
 
 
-def parallel_env(**options: Any) -> "ForagingParallelEnv":
+def parallel_env(scenario: Any = "comb-port", **options: Any) -> "ForagingParallelEnv":
     """The PettingZoo view of a mission.
 
     Parameters
     ----------
-    options : scenario, world, observation, reward, map, set, render_mode; see
+    scenario : of `load_scenario`, a shipped name, or a TOML file
+    options : world, observation, reward, map, set, render_mode; see
         `mjforage.learning.environments.options.EnvironmentOptions`
 
     Raises
@@ -117,7 +118,7 @@ def parallel_env(**options: Any) -> "ForagingParallelEnv":
     """
     from mjforage.learning.environments.parallel import ForagingParallelEnv
 
-    return ForagingParallelEnv(**options)
+    return ForagingParallelEnv(scenario=scenario, **options)
 
 
 def _register() -> None:

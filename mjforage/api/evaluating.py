@@ -1,6 +1,7 @@
 """`evaluate`, `compare` and `load_run`: runs of policies on the same episodes."""
 
 import os
+import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -95,7 +96,11 @@ def evaluate(
             )
     except KeyboardInterrupt:
         if not (target / "run.json").is_file():
+            _remove(temporary)
             raise
+    except BaseException:
+        _remove(temporary)
+        raise
     return Run(target, temporary, players)
 
 
@@ -158,6 +163,11 @@ def load_run(folder: Named, *, policies: object = ()) -> Run:
     """
     check_kinds(folder)
     return Run(Path(folder), players=Players.of(policies))
+
+
+def _remove(folder: Path | None) -> None:
+    if folder is not None:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def worlds_of(world: object) -> tuple[str, ...]:

@@ -7,7 +7,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.api.sources import source_hash
 from mjforage.api.view import View
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
@@ -16,6 +15,7 @@ from mjforage.base.registry import fault
 from mjforage.graph_planner.graph.navigation import COMPASS, STAY
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task
+from mjforage.runs.sources import source_hash
 
 Move = str | int | None
 Function = Callable[[View], Mapping[str, Move] | None]
@@ -49,8 +49,8 @@ class FunctionPolicy:
             answer = type(self).function(view)
         except UserError as error:
             raise UserError(f"policy {name}: {error}") from error
-        except Exception as error:
-            raise UserError(f"policy {name}: raised {fault(error)}; mend it") from error
+        except (Exception, SystemExit) as error:
+            raise UserError(said_of(error, name)) from error
         if answer is None:
             return []
         if not isinstance(answer, Mapping):
@@ -68,6 +68,11 @@ class FunctionPolicy:
         return moves
 
 
+def said_of(error: BaseException, name: str) -> str:
+    """Line about an error that a user's policy raised."""
+    return " ".join(f"policy {name}: raised {fault(error)}; mend it".split())
+
+
 def move_number(move: object, who: str, agent: str) -> int:
     """Number 0-8 of a move by its name or number; raises `UserError` for another."""
     if isinstance(move, str) and move in COMPASS:
@@ -83,7 +88,7 @@ def move_number(move: object, who: str, agent: str) -> int:
 def policy_of_function(function: Function, name: str) -> type[FunctionPolicy]:
     """Class of a policy that asks a function."""
     members = {
-        "__module__": function.__module__,
+        "__module__": getattr(function, "__module__", None) or "__main__",
         "__doc__": inspect.getdoc(function) or "Plain function.",
         "function": staticmethod(function),
         "source_hash": source_hash(function),

@@ -7,7 +7,6 @@ import cloudpickle
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.api.sources import source_hash
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.encodings.encoder import ENCODERS, create_encoder
@@ -15,6 +14,7 @@ from mjforage.graph_planner.encodings.encoder import TOP as TOP_LEVEL
 from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space
 from mjforage.learning.model_policy import ModelPolicy
 from mjforage.mission.task import Task
+from mjforage.runs.sources import source_hash
 
 
 class LoadedModel(ModelPolicy):

@@ -1,26 +1,27 @@
 """Policies in the forms that a user of Python has them, as names that a run knows."""
 
 import copy
+import functools
 import inspect
 import reprlib
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mjforage.api.functions import policy_of_function
-from mjforage.api.sources import source_hash
+from mjforage.api.functions import policy_of_function, said_of
 from mjforage.base.errors import UserError
 from mjforage.base.registry import is_ours
 from mjforage.graph_planner.policies.registry import POLICIES, own_weights, weights_player
 from mjforage.mission.policy import Policy
+from mjforage.runs.sources import source_hash
 
 FORMS = (
     'a name such as "greedy", a class or an object with `reset` and `act`, a function of one view, '
     'a file "NAME.safetensors", or a model with `predict`'
 )
+_METHODS = ("reset", "act", "set_ground_truth", "forecast")
 _HANDED = ("set_ground_truth", "parts", "libraries")
 """Attributes of a policy's class by which a run tells what it is."""
 
@@ -83,9 +84,8 @@ def _found(policy: Any, name: str) -> str | type:
     if isinstance(policy, str | Path):
         return _of_text(str(policy), name)
     if inspect.isclass(policy):
-        if not name and _importable(policy):
-            return _import_name(policy)
-        return _of_class(policy, name or policy.__name__)
+        shipped = _shipped_name(policy) if not name else ""
+        return shipped or _of_class(policy, name or policy.__name__)
     if callable(getattr(policy, "act", None)) and callable(getattr(policy, "reset", None)):
         return _of_object(policy, name or type(policy).__name__)
     if callable(getattr(policy, "predict", None)):
@@ -127,13 +127,14 @@ def _of_weights(path: Path, name: str) -> str | type:
 
 
 def _of_class(made: type, name: str) -> type:
-    """The class under a name; where it has another, a subclass."""
-    return type(name, (made,), {"__module__": made.__module__, "source_hash": source_hash(made)})
+    """The class under a name, whose errors are told in a line."""
+    members = {"__module__": made.__module__, "source_hash": source_hash(made)}
+    guarded = {method: _guarded(getattr(made, method, None), name) for method in _METHODS}
+    return type(name, (made,), members | {k: v for k, v in guarded.items() if v is not None})
 
 
 def _of_object(policy: Policy, name: str) -> type:
     """Class that makes copies of an object: every batch of episodes has one of its own."""
-    kind = type(policy)
     try:
         prototype = copy.deepcopy(policy)
     except Exception as error:
@@ -141,27 +142,43 @@ def _of_object(policy: Policy, name: str) -> type:
             f"policy {name}: cannot be copied ({type(error).__name__}: {error}), which every batch "
             "of episodes asks for; give its class, or let it be copied"
         ) from error
-    members = {
-        "__new__": lambda cls: copy.deepcopy(prototype),
-        "__module__": kind.__module__,
-        "__doc__": kind.__doc__,
-        "reset": kind.reset,
-        "act": kind.act,
-        "source_hash": source_hash(kind, vars(policy)),
-    }
+    kind = type(policy)
+    made = _of_class(kind, name)
+
+    def new(cls: type) -> Policy:
+        found = copy.deepcopy(prototype)
+        found.__class__ = made  # its methods tell of errors
+        return found
+
+    members = {"__new__": new, "__init__": lambda self: None, "__module__": kind.__module__}
+    members |= {"__doc__": kind.__doc__}
+    members |= {method: getattr(made, method) for method in ("reset", "act")}
+    members["source_hash"] = source_hash(policy)
     return type(name, (), {**_handed(kind), **members})
+
+
+def _guarded(method: Any, name: str) -> Any:
+    """A method whose errors are a `UserError` in one line; None for no method."""
+    if not callable(method):
+        return None
+
+    @functools.wraps(method)
+    def guarded(*given: Any) -> Any:
+        try:
+            return method(*given)
+        except UserError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise UserError(said_of(error, name)) from error
+
+    return guarded
 
 
 def _handed(made: Callable[..., Policy]) -> dict[str, Any]:
     return {one: getattr(made, one) for one in _HANDED if hasattr(made, one)}
 
 
-def _importable(made: type) -> bool:
-    """True if worker processes can import a class by its name."""
-    module = sys.modules.get(made.__module__)
-    return made.__module__ != "__main__" and getattr(module, made.__qualname__, None) is made
-
-
-def _import_name(made: type) -> str:
-    shipped = [name for name in POLICIES.ours() if POLICIES.find(name) is made]
-    return shipped[0] if is_ours(made) and shipped else f"{made.__module__}:{made.__qualname__}"
+def _shipped_name(made: type) -> str:
+    """Name of a class of ours; "" for another."""
+    names = [name for name in POLICIES.ours() if POLICIES.find(name) is made]
+    return names[0] if names and is_ours(made) else ""

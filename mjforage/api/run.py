@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from mjforage.api.players import Players
 from mjforage.api.scenarios import Named, Scenario
-from mjforage.base.atomic_files import write_bytes
+from mjforage.base.atomic_files import write_bytes, write_errors
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
+from mjforage.graph_planner.policies.registry import has_policy, own_weights
 from mjforage.runs.evaluate import summarise
 from mjforage.runs.replaying import recording_of_run
 from mjforage.runs.run_info import load_run
@@ -233,10 +234,15 @@ class Run:
         from mjforage.view.report import write_report
 
         self._check_complete()
-        page = write_report(self._folder)
         if path is None and self._in_memory:
             raise UserError('report: the run has no folder; give a path, as in "report.html"')
-        return page if path is None else Path(shutil.copyfile(page, Path(path)))
+        if path is not None and Path(path).is_dir():
+            raise UserError(f"report {path}: is a folder; give the name of a file")
+        page = write_report(self._folder)
+        if path is None:
+            return page
+        with write_errors(Path(path)):
+            return Path(shutil.copyfile(page, Path(path)))
 
     def save(self, folder: Named) -> Path:
         """Copy the run into a folder that is not there yet, as the command line writes it.
@@ -249,7 +255,8 @@ class Run:
         target = Path(folder)
         if target.exists():
             raise UserError(f"folder {target}: is there already; name another")
-        return Path(shutil.copytree(self._folder, target))
+        with write_errors(target):
+            return Path(shutil.copytree(self._folder, target))
 
     def frame(
         self,
@@ -340,8 +347,22 @@ class Run:
             If the run has no such episode, or it does not come out as it was logged.
         """
         self._check_complete()
+        if policy is not None and not isinstance(policy, str):
+            raise UserError(f"policy {policy!r}: give its name, one of {', '.join(self.policies)}")
+        name = policy or self.policies[0]
         with self._players.known():
+            recorded = recording_file(self._folder, world or self.worlds[0], name, episode)
+            if name in self.policies and ":" not in name and not recorded.exists():
+                self._check_known(name)
             return recording_of_run(self._folder, world, policy, episode)
+
+    def _check_known(self, policy: str) -> None:
+        """Refuse to play a policy that was an object of another process and is not given."""
+        if not has_policy(policy) and own_weights(policy) is None:
+            raise UserError(
+                f"policy {policy}: was an object of the process that made this run; give it, as in "
+                f'load_run(folder, policies={{"{policy}": ...}})'
+            )
 
     def _table(self, name: str) -> pl.DataFrame:
         folder = RunFolder(self._folder)

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 from functools import cached_property
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,19 +78,20 @@ class View:
     def items(self) -> Mapping[int, int]:
         """Believed number of items by node, of the nodes where it is not 0."""
         nodes = np.flatnonzero(self._seen.belief[self._row] > 0)
-        return dict(zip(nodes.tolist(), self._seen.belief[self._row, nodes].tolist(), strict=True))
+        counts = self._seen.belief[self._row, nodes]
+        return MappingProxyType(dict(zip(nodes.tolist(), counts.tolist(), strict=True)))
 
     @cached_property
     def belief(self) -> NDArray[np.int16]:
         """(row, column) believed number of items; 0 on land."""
-        return self._grid(self._seen.belief[self._row]).astype(np.int16)
+        return self._grid(self._seen.belief[self._row].astype(np.int16))
 
     @cached_property
     def age(self) -> NDArray[np.float64]:
         """(row, column) decisions since the node was last seen; inf if never, 0 on land."""
         seen = self._seen.last_seen[self._row]
         since = np.where(seen == NEVER, np.inf, self.step - 1.0 - seen)
-        return self._grid(since).astype(np.float64)
+        return self._grid(since)
 
     def node(self, agent: str) -> int:
         """Node where an agent is, at its last measurement received."""
@@ -215,5 +218,5 @@ class View:
             )
         return node
 
-    def _grid(self, values: NDArray[np.generic]) -> NDArray[np.generic]:
+    def _grid(self, values: NDArray[Any]) -> NDArray[Any]:
         return read_only(self._task.graph.grid(values))

@@ -39,6 +39,7 @@ from mjforage.runs.identity import outside_code_of, run_code, versions
 from mjforage.runs.recording import record
 from mjforage.runs.replaying import as_logged
 from mjforage.runs.selection import recording_file
+from mjforage.runs.sources import users_modules
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
 from mjforage.runs.workers import Workers, policy_import_specs
@@ -124,12 +125,24 @@ def _packed(policies: Sequence[str]) -> bytes:
     """
     put = policies_put(policies)
     try:
-        return bytes(cloudpickle.dumps(put)) if put else b""
+        return _by_value(put) if put else b""
     except Exception as error:
         raise UserError(
             f"policy {', '.join(put)}: cannot be sent to worker processes ({error}); compute with "
             "jobs=1, or let it hold no files, locks or generators"
         ) from error
+
+
+def _by_value(put: object) -> bytes:
+    """Bytes of objects, with code of a user's modules, which workers may have in another state."""
+    modules = users_modules()
+    for module in modules:
+        cloudpickle.register_pickle_by_value(module)
+    try:
+        return bytes(cloudpickle.dumps(put))
+    finally:
+        for module in modules:
+            cloudpickle.unregister_pickle_by_value(module)
 
 
 class Episode(NamedTuple):

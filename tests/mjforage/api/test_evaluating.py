@@ -1,5 +1,8 @@
 """Runs of policies in every form: the same numbers through every door."""
 
+import importlib
+import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +13,18 @@ from polars.testing import assert_frame_equal
 
 import mjforage as mf
 from mjforage.cli.commands import app
+from mjforage.runs.sources import source_hash
 from tests.mjforage.api.conftest import Eastward, drawn, nearest
 
 QUIET: dict[str, Any] = {"record": (), "progress": False}
 
 
 def test_a_function_an_object_and_a_class_play_beside_a_name(bay: mf.Scenario) -> None:
-    run = mf.evaluate(bay, ["greedy", nearest, Eastward, Eastward(6)], episodes=2, **QUIET)
-    assert run.policies == ("greedy", "nearest", f"{Eastward.__module__}:Eastward", "Eastward")
+    forms = {"nearest": nearest, "east": Eastward, "west": Eastward(6)}
+    run = mf.evaluate(bay, forms, episodes=2, **QUIET)
+    assert run.policies == ("nearest", "east", "west")
     moved = run.agents.filter(pl.col("step") > 0).group_by("policy").agg(pl.col("x_m").mean())
-    east, west = (moved.filter(policy=name)["x_m"].item() for name in run.policies[2:])
+    east, west = (moved.filter(policy=name)["x_m"].item() for name in run.policies[1:])
     assert east > west
 
 
@@ -133,3 +138,84 @@ def test_weights_of_any_folder_are_played_by_their_path(bay: mf.Scenario, tmp_pa
     run = mf.evaluate(port, [path, "ddqn"], episodes=1, **QUIET)
     mine, theirs = (run.agents.filter(policy=name).drop("policy") for name in ("mine", "ddqn"))
     assert_frame_equal(mine, theirs)
+
+
+class Base:
+    """What a policy may stand on."""
+
+    move = "N"
+
+    def steer(self, view: mf.View) -> dict[str, str]:
+        return dict.fromkeys(view.agents, self.move)
+
+
+def test_whatever_a_policy_uses_is_part_of_what_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Values of names in comprehensions, of objects, of base classes, of partial functions."""
+    moves = {"move": "N"}
+
+    def steer(view: mf.View) -> dict[str, str]:
+        return dict.fromkeys(view.agents, moves["move"])
+
+    def by(move: str, view: mf.View) -> dict[str, str]:
+        return dict.fromkeys(view.agents, move)
+
+    other = Base()
+    other.move = "S"
+    child = type("Child", (Base,), {"__module__": "__main__"})
+    before = [source_hash(one) for one in (steer, Base().steer, partial(by, "N"), child)]
+    again = [source_hash(one) for one in (steer, Base().steer, partial(by, "N"), child)]
+    moves["move"] = "S"
+    monkeypatch.setattr(Base, "move", "E")
+    after = [source_hash(one) for one in (steer, other.steer, partial(by, "S"), child)]
+    assert before == again
+    assert all(one != two for one, two in zip(before, after, strict=True))
+    north, south = (lambda v: "N"), (lambda v: "S")
+    assert source_hash(north) != source_hash(south)
+    assert not any(one.startswith("unreadable") for one in before)
+
+
+def test_workers_have_modules_of_a_user_as_they_are_here(
+    bay: mf.Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own_steering.py").write_text(
+        "MOVE = 'E'\ndef steer(view):\n    return {agent: MOVE for agent in view.agents}\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    own = importlib.import_module("own_steering")
+    for move in "EW":
+        own.MOVE = move  # type: ignore[attr-defined]
+        one, two = (
+            mf.evaluate(bay, own.steer, episodes=2, jobs=jobs, **QUIET).agents for jobs in (1, 2)
+        )
+        assert_frame_equal(one, two)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_errors_of_a_class_are_one_line(bay: mf.Scenario, jobs: int) -> None:
+    class Broken(Eastward):
+        def act(self, observation: Any) -> Any:
+            sys.exit("on\ntwo lines")
+
+    with pytest.raises(mf.UserError, match="policy Broken: raised SystemExit: on two lines"):
+        mf.evaluate(bay, [Broken], episodes=2, jobs=jobs, **QUIET)
+    with pytest.raises(mf.UserError, match="policy thing: raised SystemExit"):
+        mf.evaluate(bay, {"thing": Broken()}, episodes=2, jobs=jobs, **QUIET)
+
+
+def test_nothing_stays_of_a_call_that_is_refused(
+    bay: mf.Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    with pytest.raises(mf.UserError):
+        mf.evaluate(bay, "greedi", episodes=1, **QUIET)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_of_a_function_is_filmed_by_whoever_gives_it(
+    bay: mf.Scenario, tmp_path: Path
+) -> None:
+    mf.evaluate(bay, {"later": nearest}, episodes=1, folder=tmp_path / "run", **QUIET)
+    with pytest.raises(mf.UserError, match=r"give it, as in load_run\(folder, policies="):
+        mf.load_run(tmp_path / "run").frame("later")
+    run = mf.load_run(tmp_path / "run", policies={"later": nearest})
+    assert run.frame("later", size=(320, 180)).shape == (180, 320, 3)
