@@ -1,13 +1,17 @@
 """The weights that ship."""
 
-import hashlib
+import copy
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
+from numpy.typing import NDArray
 
 from mjforage.graph_planner.networks import weights
+from mjforage.graph_planner.networks.inference import values_of
+from mjforage.graph_planner.networks.q_network import MoveNetwork
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.mission import Mission
@@ -62,27 +66,44 @@ def test_they_work_on_other_maps_and_fleets() -> None:
             assert scores(setup, name, 4)["pta_c"] > scores(setup, "random", 4)["pta_c"]
 
 
-NODES = {
-    "ddqn": "446b2b230374559c",
-    "ddqn-reward": "8afff6205b9e60a2",
-    "ddqn-link": "494eefc090a22679",
-    "mappo": "5d792d500edb28c0",
-}
-"""Digests of the nodes of the agents in three episodes."""
+@pytest.mark.every_capability
+def test_decisions_do_not_depend_on_the_batch(published: Setup) -> None:
+    nodes = []
+    for episodes in (np.arange(5), np.array([3])):
+        mission = Mission(published)
+        mission.reset(2, episodes)
+        log = EpisodeLog(mission)
+        mission.run(create_policy("ddqn-reward"), (log,))
+        nodes.append(log.agent_node[int(np.flatnonzero(episodes == 3)[0])])
+    assert nodes[0].tobytes() == nodes[1].tobytes()
 
 
 @pytest.mark.every_capability
-def test_decisions_are_the_same_on_every_processor(
-    caplog: pytest.LogCaptureFixture,
+@pytest.mark.parametrize("name", [one for one in SHIPPED if one != "mappo"])
+def test_values_are_those_of_double_precision_on_every_processor(
+    name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    setup, found = Setup.of(load_scenario("comb-port", ("horizon=60",))), {}
-    for name in SHIPPED:
-        mission = Mission(setup)
-        mission.reset(11, np.arange(3))
-        log = EpisodeLog(mission)
-        mission.run(create_policy(name), (log,))
-        found[name] = hashlib.sha256(log.agent_node.tobytes()).hexdigest()[:16]
-    assert found == NODES and not caplog.messages
+    """Up to rounding, of which each type of processor has its own: where two moves are worth the
+    same to 1e-5, decisions may differ.
+    """
+    errors = []
+
+    def both(network: MoveNetwork, levels: dict[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
+        exact = copy.deepcopy(network).double()
+        for part in exact.modules():
+            if not list(part.children()):
+                part.register_forward_pre_hook(lambda _, given: tuple(x.double() for x in given))
+        with torch.no_grad():
+            wanted = exact({key: torch.from_numpy(level) for key, level in levels.items()})
+        found = values_of(network, levels)
+        errors.append(np.abs(found - wanted.numpy()).max())
+        return found
+
+    monkeypatch.setattr("mjforage.graph_planner.networks.inference.values_of", both)
+    mission = Mission(Setup.of(load_scenario("comb-port", ("horizon=20",))))
+    mission.reset(11, np.arange(2))
+    mission.run(create_policy(name))
+    assert len(errors) >= 20 and max(errors) < 1e-5
 
 
 def test_the_command_line_names_missing_weights(

@@ -117,7 +117,7 @@ def test_one_command_computes_and_draws_the_board_and_another_writes_its_page(
     assert shown == {"board-profiles.png", "board-frontier.png"}
     assert all(f"({name})" in text for name in shown)
     tables = {path.stem for path in (folder / "tables").glob("*.csv")}
-    assert {"overall", "differences", "iqm", "policies", "task-comb-port"} <= tables
+    assert {"overall", "differences", "task-comb-port"} <= tables
     run = folder / "variants" / "comb-port"
     assert "--page" in refused("report", run, "--page", page)
 
