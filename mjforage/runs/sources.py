@@ -52,7 +52,7 @@ def _is_users(module: ModuleType | None) -> bool:
 
 
 def _parts(value: Any, seen: set[int]) -> Iterator[bytes]:
-    """What decides a value, piece by piece; each object once."""
+    """Pieces of what decides a value; each object once."""
     if id(value) in seen:
         return
     seen.add(id(value))
