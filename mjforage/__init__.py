@@ -121,10 +121,13 @@ def parallel_env(scenario: Any = "comb-port", **options: Any) -> "ForagingParall
     return ForagingParallelEnv(scenario=scenario, **options)
 
 
-def _register() -> None:
+def _begin() -> None:
+    import logging
+
     from mjforage.learning.environments.registration import register_all
 
     register_all()
+    logging.getLogger(__name__).addHandler(logging.NullHandler())  # else Python prints warnings
 
 
-_register()
+_begin()

@@ -91,7 +91,7 @@ def check_policies(texts: Sequence[str]) -> list[str]:
     Raises `UserError` as `create_policy`, and for a policy given twice or none at all.
     """
     if not texts:
-        raise UserError("no policy given; add --policy greedy")
+        raise UserError("no policy given; give one, such as greedy")
     labels: list[str] = []
     for text in texts:
         create_policy(text)

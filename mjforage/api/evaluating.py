@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from mjforage.api.calls import call
 from mjforage.api.players import Players
 from mjforage.api.progress import bar
 from mjforage.api.run import Run
@@ -57,7 +58,8 @@ def evaluate(
         None: nothing is left on disk
     metrics : ``package.module:Class`` of metrics besides ours
     record : episodes to record for reports and films: numbers, first, median, worst, best
-    resume : "same", "fresh" or "accept-code-change", for what the folder holds
+    resume : what to do with a run that the folder holds: "same" resumes only the same run, "fresh"
+        keeps it aside as NAME.before-TIME, "accept-code-change" resumes it although code differs
     workers : a dask cluster instead of `jobs`
     progress : True shows a bar, a function is called with (done, total); None: a bar where a
         person is watching
@@ -79,15 +81,19 @@ def evaluate(
     check_kinds(folder, resume, progress)
     worlds = worlds_of(world)
     players = Players.of(policies)
-    setup = scenario_of(scenario, changes)
     temporary = Path(tempfile.mkdtemp(prefix="mjforage-")) if folder is None else None
     target = Path(folder) if folder is not None else temporary / "run"  # type: ignore[operator]
     options: dict[str, Any] = {"episodes": episodes, "seed": seed, "worlds": worlds}
     options |= {"metrics": tuple(metrics), "kept": tuple(record), "resume": resume}
+    warnings: Sequence[str] = ()
     try:
-        with players.known() as names, bar("evaluate", "episodes", progress) as shown:
+        with (
+            call("evaluate") as warnings,
+            players.known() as names,
+            bar("evaluate", "episodes", progress) as shown,
+        ):
             run_evaluate(
-                setup,
+                scenario_of(scenario, changes),
                 names,
                 target,
                 workers=workers or Workers(jobs),
@@ -101,7 +107,7 @@ def evaluate(
     except BaseException:
         _remove(temporary)
         raise
-    return Run(target, temporary, players)
+    return Run(target, temporary, players, warnings)
 
 
 def compare(
@@ -139,7 +145,8 @@ def compare(
     changes = {key: options.pop(key) for key in list(options) if key not in names}
     setup = scenario_of(scenario, changes)
     worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
-    return evaluate(setup, policies, episodes=episodes, world=worlds, **options)
+    with call("compare"):
+        return evaluate(setup, policies, episodes=episodes, world=worlds, **options)
 
 
 def load_run(folder: Named, *, policies: object = ()) -> Run:

@@ -55,10 +55,14 @@ class Run:
     """
 
     def __init__(
-        self, folder: Path, temporary: Path | None = None, players: Players = NOBODY
+        self,
+        folder: Path,
+        temporary: Path | None = None,
+        players: Players = NOBODY,
+        warnings: Sequence[str] = (),
     ) -> None:
         """Open a run folder; a temporary one around it goes when the run does."""
-        self._players = players
+        self._players, self._warnings = players, tuple(warnings)
         self._folder, self._in_memory = folder, temporary is not None
         if temporary is not None:
             weakref.finalize(self, shutil.rmtree, temporary, ignore_errors=True)
@@ -73,6 +77,11 @@ class Run:
     def complete(self) -> bool:
         """True if all episodes are finished."""
         return RunFolder(self._folder).complete
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings of the call that made the run, each a line; none of a run that was loaded."""
+        return self._warnings
 
     @property
     def policies(self) -> tuple[str, ...]:
@@ -401,6 +410,8 @@ class Run:
     def __repr__(self) -> str:
         about = ", ".join((" + ".join(self.worlds), ", ".join(self.policies)))
         partly = "" if self.complete else ", not complete"
+        if count := len(self.warnings):
+            partly += f", {count} warning{'s' if count != 1 else ''}"
         episodes = f"{self._info.episodes} episode{'s' if self._info.episodes != 1 else ''}"
         return f"Run({self._info.name}, {about}, {episodes}, seed {self.seed}{partly})"
 

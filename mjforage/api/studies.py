@@ -8,6 +8,7 @@ from typing import Any
 
 import polars as pl
 
+from mjforage.api.calls import call
 from mjforage.api.evaluating import check_kinds, check_whole, worlds_of
 from mjforage.api.players import Players
 from mjforage.api.progress import bar
@@ -62,6 +63,11 @@ KINDS: dict[str, Kind] = {
 class Study:
     """A finished or unfinished study in its folder.
 
+    Attributes
+    ----------
+    folder : study folder
+    warnings : of the call that made it, each a line
+
     Examples
     --------
     >>> import mjforage as mf
@@ -72,8 +78,10 @@ class Study:
     ('levy',)
     """
 
-    def __init__(self, folder: Path, players: Players = NOBODY) -> None:
-        self.folder, self._players = folder, players
+    def __init__(
+        self, folder: Path, players: Players = NOBODY, warnings: Sequence[str] = ()
+    ) -> None:
+        self.folder, self._players, self.warnings = folder, players, tuple(warnings)
         self._info = load_study_info(folder / "study.json")
 
     @property
@@ -238,7 +246,8 @@ def _played(
     resume: Resume,
     begin: Callable[[Plan], None],
 ) -> Study:
-    with bar(f"study {plan.kind}", "episodes", progress) as shown:
+    name = "board" if plan.kind == "board" else "study"
+    with call(name) as warnings, bar(f"study {plan.kind}", "episodes", progress) as shown:
         how: dict[str, Any] = {"progress": shown, "resume": resume}
         run_study(plan, Path(folder), workers=workers, begin=lambda: begin(plan), **how)
-    return Study(Path(folder), players)
+    return Study(Path(folder), players, warnings)

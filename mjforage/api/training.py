@@ -1,10 +1,12 @@
 """`train`: a policy learned from a scenario, as weights."""
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from mjforage.api.calls import call
 from mjforage.api.evaluating import check_kinds, check_whole
 from mjforage.api.scenarios import Named, scenario_of
 from mjforage.base.atomic_files import write_errors
@@ -15,6 +17,7 @@ from mjforage.runs.resuming import Resume
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map, write_table
 from mjforage.scenario.scenario import Scenario as Settings
+from mjforage.scenario.scenario_file import load_scenario
 
 
 def train(
@@ -35,6 +38,8 @@ def train(
 ) -> Path:
     """Train a policy; the same call resumes a training that was stopped.
 
+    Ctrl-C ends it after the round that is played, with a checkpoint; a second one ends it at once.
+
     Parameters
     ----------
     algorithm : ddqn, mappo, a name that an installed package brings, or ``package.module:Class``
@@ -43,8 +48,9 @@ def train(
     updates, hours : where to stop; at least one
     seed : 0 to 2**64 - 1
     settings : learning hyperparameters by name, such as ``{"num_envs": 32, "reward.removed": 2}``
-    also : scenarios that rounds take in turn with the first
-    evaluate : scenarios of the evaluations; none: the first
+    also : scenarios that rounds take in turn with the first; ``SCENARIO:MAP`` is one on another
+        map, which may be a family of harbours
+    evaluate : scenarios of the evaluations, as `also`; none: the first
     device : auto, cpu or cuda
     resume : as of `evaluate`
     report : called with the name of a table and every row that is logged
@@ -81,20 +87,21 @@ def train(
             "settings the fields teacher and teacher_updates"
         )
     target = Path(folder)
-    train_with(
-        made,
-        _on_file(scenario_of(scenario, changes), target),
-        changed(made.settings(), given),
-        target,
-        also=[_settings(one) for one in also],
-        evaluate=[_settings(one) for one in evaluate],
-        seed=seed,
-        hours=hours,
-        updates=updates,
-        device=device,
-        report=report,
-        resume=resume,
-    )
+    with call("train"):
+        train_with(
+            made,
+            _on_file(scenario_of(scenario, changes), target),
+            changed(made.settings(), given),
+            target,
+            also=[_settings(one) for one in also],
+            evaluate=[_settings(one) for one in evaluate],
+            seed=seed,
+            hours=hours,
+            updates=updates,
+            device=device,
+            report=report,
+            resume=resume,
+        )
     best = target / "best.safetensors"
     return best if best.is_file() else target / "weights.safetensors"
 
@@ -112,4 +119,13 @@ def _on_file(setup: Setup, folder: Path) -> Settings:
 
 
 def _settings(given: Setup | Settings | Named) -> Settings:
-    return given if isinstance(given, Settings) else scenario_of(given, {}).scenario
+    """Of `SCENARIO:MAP` with the map's own starts, or a random cluster."""
+    if isinstance(given, Settings):
+        return given
+    if isinstance(given, Setup):
+        return given.scenario
+    name, separator, file = os.fspath(given).partition(":")
+    scenario = load_scenario(name)
+    if not separator:
+        return scenario
+    return replace(scenario, map=replace(scenario.map, file=file, starts=None, water="light"))

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from mjforage.base.errors import UserError, printable
 
-_AGAIN = "run the same command again: finished work is kept"
+_AGAIN = "run the same again: finished work is kept"
 _PART = ".part"
 _NUMBER = re.compile(r"\(os error (\d+)\)")
 _REMEDIES = {
@@ -27,7 +27,7 @@ _REMEDIES = {
     ),
     **dict.fromkeys(
         (errno.EMFILE, errno.ENFILE),
-        f"give fewer --jobs or let more files be open (ulimit -n), then {_AGAIN}",
+        f"give fewer jobs or let more files be open (ulimit -n), then {_AGAIN}",
     ),
     errno.EIO: f"see to that disk, then {_AGAIN}",
     errno.ENAMETOOLONG: "give a shorter name",

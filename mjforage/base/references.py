@@ -110,11 +110,11 @@ def with_options(
             given = ", ".join(one.name for one in found) or "none"
             close = difflib.get_close_matches(name, [one.name for one in found], n=1)
             hint = f"did you mean {kind}.{close[0]}.{option}? As it is, " if close else ""
-            raise UserError(f"--set {text}: {hint}give {kind}.NAME.OPTION=VALUE, NAME of {given}")
+            raise UserError(f"set {text}: {hint}give {kind}.NAME.OPTION=VALUE, NAME of {given}")
         for place in meant:
             there = {**parsed.options, **found[place].options}
             if there[option] != parsed.options[option]:
-                raise UserError(f"--set {text}: {found[place]} says otherwise; say it once")
+                raise UserError(f"set {text}: {found[place]} says otherwise; say it once")
             found[place] = Reference(name, there)
     return [str(one) for one in found], tuple(others)
 

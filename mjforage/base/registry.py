@@ -173,13 +173,14 @@ class Registry(Generic[T]):
         Raises
         ------
         UserError
-            Naming the flag by which the user may say so.
+            Naming the ways by which the user may say so.
         """
         for code in (reference, name):
             if ":" in code and not self.has(name) and code not in _TRUSTED:
                 raise UserError(
                     f"{where}: names {self.kind} {code}, code that neither ships nor is installed; "
-                    f"if you know it, add --trust {code}"
+                    f"if you know it, add --trust {code} (in Python first call "
+                    f"mjforage.base.registry.trust({code!r}))"
                 )
 
     def bound(self, text: str) -> tuple[Reference, T, dict[str, Any]]:

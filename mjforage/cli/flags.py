@@ -74,7 +74,7 @@ class Computing:
         from mjforage.runs.workers import Workers
 
         if self.scheduler == "":  # of an unset variable of a shell, perhaps: not to compute here
-            raise UserError("--scheduler: the address is empty; give one such as tcp://host:8786")
+            raise UserError("scheduler: the address is empty; give one such as tcp://host:8786")
         return Workers(self.jobs, self.scheduler or "")
 
 

@@ -2,6 +2,7 @@
 
 import logging
 import os
+import shlex
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import cyclopts
 from rich.logging import RichHandler
 
+from mjforage.base.called import called
 from mjforage.base.errors import UserError, printable
 from mjforage.base.interrupted import CODE as INTERRUPTED
 from mjforage.base.interrupted import WORDS
@@ -65,7 +67,8 @@ def _carry_out(arguments: Sequence[str]) -> None:
         if any("\ud800" <= letter <= "\udfff" for letter in word):
             raise UserError(f"{word}: is not UTF-8; give names in UTF-8, of files as well")
     how: Any = {"exit_on_error": False, "print_error": False, "result_action": "return_value"}
-    app(arguments, **how)
+    with called(shlex.join(["mjforage", *arguments])):
+        app(arguments, **how)
     sys.stdout.flush()
 
 

@@ -12,7 +12,6 @@ from mjforage.cli.progress import bar
 
 if TYPE_CHECKING:
     from mjforage.learning.training.progress import Row
-    from mjforage.scenario.scenario import Scenario
 
 Pairs = Annotated[tuple[str, ...], Parameter(negative="")]
 
@@ -115,26 +114,13 @@ def train(
             hours=hours,
             seed=seed,
             settings=changes,
-            also=[_other(text) for text in also],
-            evaluate=[_other(text) for text in evaluate],
+            also=also,
+            evaluate=evaluate,
             device=device,
             resume=again.resume,
             report=tell,
         )
     output.print(f"run: {folder}", soft_wrap=True)
-
-
-def _other(text: str) -> "Scenario":
-    """SCENARIO or SCENARIO:MAP; the map's own starts, or a random cluster."""
-    from dataclasses import replace
-
-    from mjforage.scenario.scenario_file import load_scenario
-
-    name, separator, file = text.partition(":")
-    scenario = load_scenario(name)
-    if not separator:
-        return scenario
-    return replace(scenario, map=replace(scenario.map, file=file, starts=None, water="light"))
 
 
 def _pair(text: str) -> tuple[str, Any]:

@@ -22,14 +22,14 @@ from mjforage.runs.run_info import load_run
 _ADDRESS = re.compile(r"(tcp|tls)://[^\s:/@]+:\d+|(tcp|tls)://\[[\da-f:]+\]:\d+")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker
 POLL_S = 0.02
-REMEDY = "run the same command again: finished chunks are kept"
+REMEDY = "run the same again: finished chunks are kept"
 
 
 def check_address(scheduler: str) -> None:
     """Refuse a malformed address, for which dask would wait and fail unclearly; `UserError`."""
     if not _ADDRESS.fullmatch(scheduler):
         raise UserError(
-            f"--scheduler {scheduler}: is no address; give the one that `dask scheduler` prints, "
+            f"scheduler {scheduler}: is no address; give the one that `dask scheduler` prints, "
             "such as tcp://host:8786"
         )
 
@@ -180,7 +180,7 @@ def check_code(asked: Iterable[tuple[str, str]], here: Mapping[str, str]) -> Non
         if here.get(name) != there:
             raise UserError(
                 f"worker on {socket.gethostname()}: {name} is {here.get(name)}, but {there} where "
-                "the command was given; install the same on all machines"
+                "the run was started; install the same on all machines"
             )
 
 
@@ -216,8 +216,8 @@ def check_run(
     here, file = socket.gethostname(), folder / "run.json"
     if not file.is_file():
         raise UserError(
-            f"worker on {here}: {file} is not there; --out must lie on a disk that all machines "
-            "share, under the same path"
+            f"worker on {here}: {file} is not there; the run folder must lie on a disk that all "
+            "machines share, under the same path"
         )
     run = load_run(file)
     for policy in run.policies:
@@ -226,5 +226,5 @@ def check_run(
     if not run_hash == own == run.hash:
         raise UserError(
             f"worker on {here}: scenario and hulls have the hash {own} there, {run_hash} where the "
-            f"command was given and {run.hash} in {file}; give all machines the same files"
+            f"run was started and {run.hash} in {file}; give all machines the same files"
         )

@@ -66,8 +66,8 @@ def _local(
         yield from enumerate(results)
     except TerminatedWorkerError as error:
         raise UserError(
-            "a worker process was killed, perhaps for want of memory; run the same command again "
-            "with fewer --jobs: finished chunks are kept"
+            "a worker process was killed, perhaps for want of memory; run the same again with "
+            "fewer jobs: finished chunks are kept"
         ) from error
     finally:
         if results is not None:

@@ -279,7 +279,8 @@ def _record(runs: Sequence[Run], jobs: Sequence[Job], workers: Workers) -> None:
         if not is_recorded(job.folder, one):
             _logger.warning(
                 "%s: episode %d of %s in world %s does not come out as logged, so it is not "
-                "recorded; it was made with other versions or code",
+                "recorded; it was made with other versions or code, or the policy draws numbers "
+                "that hang on no seed",
                 job.folder,
                 one.number,
                 one.policy,

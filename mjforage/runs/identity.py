@@ -2,8 +2,6 @@
 
 import hashlib
 import platform
-import shlex
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
@@ -12,6 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from mjforage.base.called import what_was_called
 from mjforage.base.registry import ImportSpec
 from mjforage.graph_planner.policies.registry import (
     is_upper_bound,
@@ -87,9 +86,9 @@ def files_hash(paths: Iterable[Path]) -> str:
 
 
 def provenance() -> dict[str, str]:
-    """Command, and time of its start."""
+    """Command, or words on a call in Python; and time of its start."""
     return {
-        "command": shlex.join(["mjforage", *sys.argv[1:]]),
+        "command": what_was_called(),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 

@@ -34,13 +34,13 @@ def folder_lock(path: Path) -> Iterator[None]:
         lock.acquire(timeout=0)
     except Timeout as error:
         raise UserError(
-            f"{path}: another process is writing this run; wait for it, or choose another --out"
+            f"{path}: another process is writing this run; wait for it, or choose another folder"
         ) from error
     except (OSError, NotImplementedError) as error:
         if getattr(error, "errno", None) not in _READ_ONLY:
             reason = getattr(error, "strerror", None) or str(error)
             raise UserError(
-                f"{path / _LOCK}: cannot be locked ({reason}); choose an --out on a disk with locks"
+                f"{path / _LOCK}: cannot be locked ({reason}); choose a folder on a disk with locks"
             ) from error
     try:
         yield

@@ -12,7 +12,7 @@ from mjforage.base.errors import UserError
 from mjforage.scenario.sizes import check_memory
 
 UNPACKED = 40  # bytes of a number in memory, with the copies that are made of a table
-AGAIN = "run the command that wrote it again"
+AGAIN = "run what wrote it again"
 FAILURES = (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException)
 
 

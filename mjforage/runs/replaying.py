@@ -66,7 +66,8 @@ def recording_of_run(
     if not as_logged(recording, RunFolder(folder)):
         raise UserError(
             f"{folder}: episode {episode} of {policy} does not come out as logged: it was made "
-            f"with other versions, code or vessels (see run.json); {AGAIN} with --fresh"
+            "with other versions, code or vessels (see run.json), or the policy draws numbers that "
+            f'hang on no seed; {AGAIN} with resume="fresh" (--fresh)'
         )
     return recording
 

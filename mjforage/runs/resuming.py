@@ -6,14 +6,13 @@ accepted; it is then noted in the folder's file, and the computed results stay.
 
 import json
 import logging
-import shlex
-import sys
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from mjforage.base.atomic_files import write_errors, write_json
+from mjforage.base.called import what_was_called
 from mjforage.base.errors import UserError
 from mjforage.runs.foreign import check_files
 from mjforage.runs.lock import folder_lock
@@ -92,13 +91,13 @@ def refusal(kind: str, found: list[Difference]) -> str:
 
     Another policy comes with other code, of which nothing is said then.
     """
-    accept = "--accept-code-change to go on and note it, " if acceptable(found) else ""
+    accept = 'resume="accept-code-change" (--accept-code-change) to go on and note it, '
     found = [one for one in found if one.key not in CODE] or found
     words = "; ".join(one.words for one in found[:_NAMED])
     more = f"; and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
     return (
-        f"holds another {kind}: {words}{more}; give {accept}--fresh to keep that folder aside and "
-        "begin anew, or choose another --out"
+        f"holds another {kind}: {words}{more}; give {accept if acceptable(found) else ''}"
+        'resume="fresh" (--fresh) to keep that folder aside and begin anew, or choose another'
     )
 
 
@@ -118,7 +117,7 @@ def with_accepted(
     if found:
         note = {
             "time": datetime.now(UTC).isoformat(timespec="seconds"),
-            "command": shlex.join(["mjforage", *sys.argv[1:]]),
+            "command": what_was_called(),
             "differences": [one.words for one in found],
         }
         before = [*before, note]
@@ -140,7 +139,7 @@ def found_in(
         if found:
             raise UserError(
                 f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
-                "another --out"
+                "another"
             )
         return None, []
     check_files(file)
@@ -148,7 +147,7 @@ def found_in(
         there = read_json(file)
     except UserError as error:
         raise UserError(
-            f"{file}: is not the {file.name} of a {kind}; choose another --out"
+            f"{file}: is not the {file.name} of a {kind}; choose another folder"
         ) from error
     differing = differences(there, info, identity)
     if differing and set(identity) <= set(there) and _holds_nothing(path, file.name):

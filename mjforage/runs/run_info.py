@@ -17,7 +17,7 @@ from mjforage.mission.scoring import Description
 from mjforage.runs.foreign import check_files, check_length, check_names
 from mjforage.scenario.schema import OPEN, check
 
-AGAIN = "run the command that made this folder again"
+AGAIN = "run what made this folder again"
 REMEDY = f"{AGAIN}, or name a folder that evaluate, compare or study wrote"
 
 Names = Annotated[tuple[str, ...], MinLen(1)]
@@ -87,7 +87,7 @@ class RunInfo:
     __pydantic_config__ = OPEN
 
     command: str
-    """The command that made the folder."""
+    """The command that made the folder, or words on the call in Python."""
     scenario: Mapping[str, Any]
     """The whole scenario, defaults included."""
     map: MapInfo

@@ -15,7 +15,7 @@ USUAL: tuple[str | int, ...] = ("first", "median", "worst")
 """Episodes that evaluate and compare record by default."""
 FIRST: tuple[str | int, ...] = ("first",)
 """Episodes that the runs of a study record, except the first run, which records `USUAL`."""
-_HOW = f"give episodes' numbers, {', '.join(RANKS)}, or none alone, as in --replay 0,3,worst"
+_HOW = f"give episodes' numbers, or {', '.join(RANKS)}"
 
 
 def parse_selection(text: str) -> tuple[str | int, ...]:
@@ -31,7 +31,7 @@ def parse_selection(text: str) -> tuple[str | int, ...]:
         return ()
     for word in words:
         if word not in RANKS and not (word.isascii() and word.isdigit()):
-            raise UserError(f"--replay {text}: '{word}' names no episode; {_HOW}")
+            raise UserError(f"--replay {text}: '{word}' names no episode; {_HOW}, or none alone")
     return tuple(dict.fromkeys(word if word in RANKS else int(word) for word in words))
 
 
@@ -47,11 +47,11 @@ def check_selection(selection: Iterable[str | int], episodes: int) -> tuple[str 
     for one in found:
         if isinstance(one, int) and not 0 <= one < episodes:
             raise UserError(
-                f"--replay {one}: the run has episodes 0 to {episodes - 1} of every world and "
-                "policy; name one of them"
+                f"recorded episode {one}: the run has episodes 0 to {episodes - 1} of every world "
+                "and policy; name one of them"
             )
         if isinstance(one, str) and one not in RANKS:
-            raise UserError(f"--replay {one}: names no episode; {_HOW}")
+            raise UserError(f"recorded episode {one}: is none; {_HOW}")
     return found
 
 

@@ -27,9 +27,9 @@ class Workers:
 
     def __post_init__(self) -> None:
         if self.jobs < 1:
-            raise UserError(f"--jobs {self.jobs}: give at least 1 worker")
+            raise UserError(f"jobs {self.jobs}: give at least 1 worker")
         if self.jobs > 1 and self.scheduler:
-            raise UserError("--jobs and --scheduler: give one of them")
+            raise UserError("jobs and scheduler: give one of them")
         if self.scheduler:
             cluster.check_address(self.scheduler)
 
@@ -70,7 +70,7 @@ def _check_weights(policies: Iterable[str]) -> None:
         if own_weights(name) is not None:
             raise UserError(
                 f"policy {name}: weights of this folder are not where a cluster's workers are; "
-                "compute it with --jobs"
+                "compute it on this machine"
             )
 
 

@@ -77,13 +77,13 @@ def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bo
     UserError
         If the file is unreadable, too large, empty or malformed.
     """
-    read = read_image if path.suffix.lower() in IMAGE_SUFFIXES else read_table
-    levels = read(path, name)
+    is_image = path.suffix.lower() in IMAGE_SUFFIXES
+    levels = (read_image if is_image else read_table)(path, name)
     cells: NDArray[np.bool_] = levels == (LIGHT if water == "light" else DARK)
     edge = np.concatenate((cells[0], cells[-1], cells[:, 0], cells[:, -1]))
-    if edge.all() and not cells.all():
+    if is_image and edge.all() and not cells.all():
         logger.warning(
-            "map %s: all of its edge is water; if that is the land, give --water %s",
+            "map %s: all of its edge is water; if that is the land, give map.water = %s",
             *(name, "dark" if water == "light" else "light"),
         )
     return cells

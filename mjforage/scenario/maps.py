@@ -73,7 +73,7 @@ def load_map(
         of a shipped map or a harbour is said to be dark.
     """
     if water == "dark" and (is_harbour(reference) or is_shipped_map(reference)):
-        raise UserError(f"map {reference}: has light water; leave out --water dark (map.water)")
+        raise UserError(f"map {reference}: has light water; leave out map.water = dark")
     if is_harbour(reference):
         which = harbour(reference)
         return GridMap(which.name, harbour_cells(which))
@@ -109,7 +109,7 @@ def grid_of(
     if not cells.any():
         raise UserError(
             f"map {name}: all {cells.size} cells are obstacles (0 or dark); mark water with 1, "
-            "or give --water dark"
+            "or give map.water = dark"
         )
     cells = _one_component(cells, name, corner_cutting, largest_component)
     return GridMap(name, cells)
@@ -153,9 +153,9 @@ def _one_component(
             *(name, dropped, nodes, sizes.size),
         )
         return np.asarray(label == largest)
-    remedy = "keep only that one where you play on it: --set map.largest_component=true"
+    remedy = "keep only that one where you play on it: give map.largest_component = true"
     if not corner_cutting and components(cells, True)[1].size == 1:
-        remedy += ", or join them with --set map.corner_cutting=true"
+        remedy += ", or join them with map.corner_cutting = true"
     parts = ", ".join(str(size) for size in sorted(sizes, reverse=True)[:_NAMED])
     more = f" and {sizes.size - _NAMED} more" if sizes.size > _NAMED else ""
     raise UserError(
@@ -190,8 +190,8 @@ def check_starts(starts: Starts, navigable: NDArray[np.bool_], owner: str, map_n
         else:
             continue
         raise UserError(
-            f"start ({row}, {column}) of {owner} {fault}; give --set "
-            "map.starts='[[r,c],...]' or '[]' for a random cluster"
+            f"start ({row}, {column}) of {owner} {fault}; give map.starts = "
+            "[[r,c],...], or [] for a random cluster"
         )
 
 

@@ -69,12 +69,12 @@ def load_scenario(
     tree = read_toml(path, f"scenario {path.name}")
     _start_paths(tree, path.parent)
     if map_file is not None:
-        _put(tree, ["map", "file"], map_file, f"--map {map_file}")
+        _put(tree, ["map", "file"], map_file, f"map {map_file}")
         tree["map"].pop("water", None)
         if is_harbour(map_file):
-            _put(tree, ["map", "starts"], [], f"--map {map_file}")
+            _put(tree, ["map", "starts"], [], f"map {map_file}")
     if water is not None:
-        _put(tree, ["map", "water"], water, f"--water {water}")
+        _put(tree, ["map", "water"], water, f"water {water}")
     teams, overrides = tree.get("team"), list(overrides)
     names = list(teams) if isinstance(teams, dict) else []
     for override in overrides:
@@ -99,7 +99,7 @@ def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> User
         close = close or difflib.get_close_matches(key, known, n=1, cutoff=0.9)
         if close and key not in known and f"did you mean {close[0]}?" not in str(error):
             fault = str(error).partition("; did you mean ")[0]
-            return UserError(f"--set {override}: did you mean {close[0]}? As it is, {fault}")
+            return UserError(f"set {override}: did you mean {close[0]}? As it is, {fault}")
     return None
 
 
@@ -129,13 +129,13 @@ def _apply(tree: Tree, override: str) -> None:
     key, separator, text = override.partition("=")
     parts = key.strip().split(".")
     if not separator or not all(parts):
-        raise UserError(f"--set {override}: expected KEY=VALUE, for example team.scouts.count=3")
+        raise UserError(f"set {override}: expected KEY=VALUE, for example team.scouts.count=3")
     if any("\ud800" <= letter <= "\udfff" for letter in override):
-        raise UserError(f"--set {override!r}: is not UTF-8")
+        raise UserError(f"set {override!r}: is not UTF-8")
     document = assigned(text)
     if len(document) > 1:
-        raise UserError(f"--set {override!r}: expected one value")
-    _put(tree, parts, document["value"], f"--set {override}")
+        raise UserError(f"set {override!r}: expected one value")
+    _put(tree, parts, document["value"], f"set {override}")
 
 
 def _put(tree: Tree, parts: list[str], value: object, where: str) -> None:

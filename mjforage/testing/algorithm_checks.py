@@ -189,7 +189,7 @@ def check_beginning(trial: AlgorithmTrial) -> None:
         ", theirs and its; `networks` gives the modules that train, and `copies` all that begin "
         "with the weights"
     )
-    words = "that begins with the weights of another (--from) has"
+    words = "that begins with the weights of another (initial) has"
     trial.compare("beginning", before, after, words, remedy)
 
 

@@ -60,7 +60,7 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
     elif isinstance(grid, str | Path):
         starts: dict[str, object] = {"map.starts": []} if is_harbour(str(grid)) else {}
         found = with_values(
-            found, {"map.file": str(grid), "map.water": "light", **starts}, f"--map {grid}"
+            found, {"map.file": str(grid), "map.water": "light", **starts}, f"map {grid}"
         )
     elif grid is not None:
         raise _unknown("map", grid, "a name, a file or an array (row, column) of booleans")

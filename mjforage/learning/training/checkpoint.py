@@ -23,7 +23,7 @@ from mjforage.scenario.schema import check
 
 FORMAT = "mjforage training checkpoint 5"
 _NOTE = "mjforage"
-REMEDY = "remove it or give another --out"
+REMEDY = "remove it or give another folder"
 
 
 @dataclass(frozen=True)
@@ -73,13 +73,13 @@ def restore_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
             if found.get("format") != FORMAT:
                 raise UserError(
                     f"checkpoint {path}: format {found.get('format')!r}, expected {FORMAT!r}; "
-                    "give another --out"
+                    "give another folder"
                 )
             notes = check(_Notes, found, f"checkpoint {path}", remedy=REMEDY)
             if notes.identity != json.loads(json.dumps(identity(trainer))):
                 raise UserError(
                     f"checkpoint {path}: of another training than {path.parent} is for; remove it "
-                    "or give another --out"
+                    "or give another folder"
                 )
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except (OSError, ValueError, RecursionError, AttributeError, SafetensorError) as error:

@@ -50,8 +50,8 @@ class Evaluation:
         self._each = [each for scenario in scenarios for each in scenarios_of(scenario)]
         if episodes < len(self._each):
             raise UserError(
-                f"--evaluate: {len(self._each)} maps for evaluate_episodes = {episodes}; give "
-                f"fewer maps, or --learning evaluate_episodes={len(self._each)} or more"
+                f"evaluate: {len(self._each)} maps for evaluate_episodes = {episodes}; give "
+                f"fewer maps, or evaluate_episodes = {len(self._each)} or more"
             )
 
     def examples(self) -> list[EnvironmentOptions]:

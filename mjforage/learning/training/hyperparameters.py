@@ -11,7 +11,7 @@ from mjforage.base.fields import Within, source
 from mjforage.learning.environments.rewards import checked_weights
 from mjforage.scenario.schema import check, check_fields
 
-WHERE = "--learning"  # where settings come from, for messages
+WHERE = "learning settings"  # where settings come from, for messages
 
 REWARD = MappingProxyType(
     {
@@ -121,7 +121,7 @@ def check_teacher(teacher: str, updates: int) -> None:
     if bool(teacher) != bool(updates):
         raise UserError(
             f"teacher = {teacher!r}, teacher_updates = {updates}: give both, "
-            "such as --teacher belief --learning teacher_updates=6000, or neither"
+            "such as teacher = belief and teacher_updates = 6000, or neither"
         )
 
 

@@ -25,8 +25,8 @@ def initial_file(reference: str) -> Path:
     files = policy_files(reference)
     if len(files) != 1 or files[0].suffix != SUFFIX:
         raise UserError(
-            f"--from {reference}: plays no weights; give a policy that does, such as ddqn, or "
-            f"FILE{SUFFIX}"
+            f"initial weights {reference}: is a policy that plays none; give one that does, such "
+            f"as ddqn, or FILE{SUFFIX}"
         )
     return files[0]
 
@@ -48,14 +48,14 @@ def begin_with(
     header = read_header(path)
     if header.format != kind:
         raise UserError(
-            f"--from {settings.initial}: weights of the kind {header.format}, but this algorithm "
-            f"trains {kind}; give others"
+            f"initial weights {settings.initial}: are of the kind {header.format}, but this "
+            f"algorithm trains {kind}; give others"
         )
     encoding = encoder_label(header.encoding)
     if encoding != settings.observation:
         raise UserError(
-            f"--from {settings.initial}: weights of the {encoding} observation, but this training "
-            f"has {settings.observation}; give --learning observation={encoding}, or other weights"
+            f"initial weights {settings.initial}: are of the {encoding} observation, but this "
+            f"training has {settings.observation}; give observation = {encoding}, or other weights"
         )
     networks = load_networks(path, task)
     for team, own in modules.items():

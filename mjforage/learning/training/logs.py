@@ -53,7 +53,7 @@ class Logs:
 
 def _read(path: Path, rounds: int) -> list[Row]:
     """Rows of a table up to a round."""
-    remedy = "move it away, or give another --out"
+    remedy = "move it away, or give another folder"
     kinds = read_schema(path, remedy)  # none before the first evaluation
     if kinds and not kinds.get("rounds", pl.String()).is_numeric():
         raise UserError(f"{path}: is no log of a training; {remedy}")

@@ -164,10 +164,10 @@ def _evaluate(trainer: Algorithm[Any], folder: Path, logs: Logs, report: Report)
 
 def _check_ends(hours: float | None, updates: int | None) -> None:
     if hours is None and updates is None:
-        raise UserError("train: no end given; add --hours 2 or --updates 10000")
+        raise UserError("train: no end given; give hours or updates, such as hours = 2")
     for name, value in (("hours", hours), ("updates", updates)):
         if value is not None and not 0 < value < float("inf"):
-            raise UserError(f"train: --{name} {value}: give a positive number")
+            raise UserError(f"train: {name} {value}: give a positive number")
 
 
 def _over(trainer: Algorithm[Any], hours: float | None, updates: int | None) -> bool:
@@ -179,9 +179,9 @@ def _over(trainer: Algorithm[Any], hours: float | None, updates: int | None) -> 
 def _device(name: str) -> str:
     """The device to use. Raises `UserError` if there is none of that name."""
     if name not in ("auto", "cpu", "cuda"):
-        raise UserError(f"--device {name}: choose auto, cpu or cuda")
+        raise UserError(f"device {name}: choose auto, cpu or cuda")
     if name == "cuda" and not torch.cuda.is_available():
-        raise UserError("--device cuda: torch finds no GPU here; use --device cpu")
+        raise UserError("device cuda: torch finds no GPU here; choose cpu")
     return ("cuda" if torch.cuda.is_available() else "cpu") if name == "auto" else name
 
 

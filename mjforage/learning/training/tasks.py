@@ -44,7 +44,7 @@ def variants(scenario: Scenario, vary: Vary) -> list[Scenario]:
     if number > MOST:
         raise UserError(f"{WHERE}: vary makes {number} scenarios of one; give at most {MOST}")
     drawn = (dict(zip(vary, values, strict=True)) for values in product(*vary.values()))
-    return [with_values(scenario, each, f"{WHERE} vary") for each in drawn]
+    return [with_values(scenario, each, f"{WHERE}, vary") for each in drawn]
 
 
 class TrainingTask:

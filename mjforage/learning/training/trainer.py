@@ -192,8 +192,8 @@ def _check_memory(
         if ids.size
     )
     check_memory(
-        f"--learning: a replay of capacity = {settings.capacity} for each team, with num_envs = "
-        f"{settings.num_envs},",
+        f"learning settings: a replay of capacity = {settings.capacity} for each team, with "
+        f"num_envs = {settings.num_envs},",
         wanted,
         "give less capacity, or fewer environments",
     )

@@ -14,7 +14,7 @@ class TrainingInfo:
     __pydantic_config__ = OPEN
 
     command: str
-    """The command that made the folder."""
+    """The command that made the folder, or words on the call in Python."""
     algorithm: str
     """The class that trained."""
     scenario: Mapping[str, Any]

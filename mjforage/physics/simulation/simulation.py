@@ -190,7 +190,7 @@ class Simulation:
         if bodies > MOST_BODIES:
             raise UserError(
                 f"physics: {bodies} items within {self._reach:g} m of vessels, at most "
-                f"{MOST_BODIES} can be; lower items.mean, or give --set physics.items=graph"
+                f"{MOST_BODIES} can be; lower items.mean, or give physics.items = graph"
             )
         before = self.engine
         self._engage(with_bodies(self.scene, -(-(bodies + POOL_SPARE) // STRIDE) * STRIDE))

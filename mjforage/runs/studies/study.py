@@ -122,7 +122,7 @@ class StudyInfo:
     __pydantic_config__ = OPEN
 
     command: str
-    """The command that made the folder."""
+    """The command that made the folder, or words on the call in Python."""
     started: str
     """Time of the command, ISO 8601."""
     kind: str

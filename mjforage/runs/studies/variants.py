@@ -104,7 +104,7 @@ def levels(step: float) -> tuple[float, ...]:
     """
     count = round(1 / step) if step > 0 else 0
     if not 4 <= count <= MOST_LEVELS or abs(count * step - 1) > 1e-9:
-        raise UserError(f"--step {step:g}: give 1/N with N from 4 to {MOST_LEVELS}, such as 0.05")
+        raise UserError(f"step {step:g}: give 1/N with N from 4 to {MOST_LEVELS}, such as 0.05")
     return tuple(float(level) for level in np.round(np.linspace(0, 1, count + 1), 6))
 
 

@@ -18,7 +18,7 @@ VARIABLE = "MUJOCO_GL"
 EGL, OSMESA = "egl", "osmesa"
 REMEDY = (
     "install Debian's libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6 and set "
-    f"{VARIABLE}={OSMESA}; a graph-level run is drawn without OpenGL by --camera top"
+    f"{VARIABLE}={OSMESA}; a graph-level run is drawn without OpenGL by camera top"
 )
 
 

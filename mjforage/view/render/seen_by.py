@@ -28,7 +28,7 @@ def seen_by(recording: Recording, name: str) -> Recording:
     if recording.knowledge is None:
         raise UserError(
             f"seen by {name}: without a link all know the same; choose {EVERYBODY}, or a run with "
-            "one (--set link.model=disk)"
+            "one (link.model = disk)"
         )
     agent, record = names.index(name), recording.knowledge
     belief, seen = record.maps(agent, recording.navigable.size)

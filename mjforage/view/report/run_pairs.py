@@ -52,7 +52,7 @@ def write_pair(first: Path, second: Path, out: Path | None = None) -> Path:
     labels = _labels(first, second)
     out = out or first / f"compared-with-{second.resolve().name}"
     if (out / "run.json").exists() or (out / "study.json").exists():
-        raise UserError(f"--out {out}: holds a run or study, whose report stays; choose another")
+        raise UserError(f"folder {out}: holds a run or study, whose report stays; choose another")
     runs = load_logs(first), load_logs(second)
     shown = only(runs[0], shown_policies(runs[0])), only(runs[1], shown_policies(runs[1]))
     page = pair_page(runs, shown, labels, shared_episodes(*runs))

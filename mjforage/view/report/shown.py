@@ -34,7 +34,7 @@ def shown_policies(logs: RunLogs, wanted: Sequence[str] = ()) -> tuple[str, ...]
         if policy not in logs.run.policies:
             names = ", ".join(logs.policies[:POLICIES])
             more = " and others" if len(logs.policies) > POLICIES else ""
-            raise UserError(f"--policy {policy}: is not in this run; choose {names}{more}")
+            raise UserError(f"policy {policy}: is not in this run; choose {names}{more}")
     several = tuple(one for one in logs.policies if one in wanted) or logs.policies
     most = POLICIES
     while most > 2 and math.comb(most, 2) * len(logs.run.worlds) > PAIRS:

@@ -45,18 +45,18 @@ pytestmark = pytest.mark.usefixtures("here")
         ([*EVALUATE, "--jobs", "0"], "jobs 0"),
         ([*EVALUATE, "--seed", "-1"], "seed -1"),
         ([*EVALUATE, "--map", "comb_prot"], "did you mean comb_port?"),
-        ([*EVALUATE, "--map", "open_bay"], "is on land in map open_bay; give --set map.starts="),
+        ([*EVALUATE, "--map", "open_bay"], "is on land in map open_bay; give map.starts = "),
         ([*EVALUATE, "--set", "team.scouts.count=-1"], "team.scouts.count = -1 should be "),
         (
             [*EVALUATE, "--set", "team.scout.count=3"],
-            "--set team.scout.count=3: did you mean team.scouts.count? As it is, scenario "
+            "set team.scout.count=3: did you mean team.scouts.count? As it is, scenario "
             "comb-port: missing team.scout.moves",
         ),
         ([*EVALUATE, "--set", "teams.scouts.count=3"], "did you mean team.scouts.count? As it is"),
         ([*EVALUATE, "--set", "wind_speed_mps=3"], "did you mean weather.wind_speed_mps? As it"),
         ([*EVALUATE, "--set", "mean=3"], "did you mean items.mean? As it is"),
         ([*EVALUATE, "--set", "zzz=3"], "scenario comb-port: unknown key zzz; known: name"),
-        ([*EVALUATE, "--set", "horizon"], "--set horizon: expected KEY=VALUE"),
+        ([*EVALUATE, "--set", "horizon"], "set horizon: expected KEY=VALUE"),
         ([*EVALUATE, "--out", "/proc/nowhere/run"], "/proc/nowhere/run: cannot be written"),
         (["evaluate", "comb-prot", "--policy", "greedy"], "did you mean comb-port?"),
         (["report", "nowhere"], "nowhere: no such folder"),

@@ -51,4 +51,4 @@ def test_too_few_files_for_workers_are_one_line(files: int, finished: Path, tmp_
     )
     assert done.returncode == 2
     (line,) = faults(done)
-    assert "Too many open files; give fewer --jobs" in line
+    assert "Too many open files; give fewer jobs" in line

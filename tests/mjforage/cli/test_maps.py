@@ -23,9 +23,9 @@ pytestmark = pytest.mark.usefixtures("here")
         (
             "1,0,1\n1,0,1\n",
             "form 2 separate components, of 2, 2 nodes; keep only that one "
-            "where you play on it: --set map.largest_component=true",
+            "where you play on it: give map.largest_component = true",
         ),
-        ("1,0\n0,1\n", "or join them with --set map.corner_cutting=true"),
+        ("1,0\n0,1\n", "or join them with map.corner_cutting = true"),
         ("1,2\n", "row 0, column 1 is '2', expected 0 or 1"),
         ("1,1\n", "4 agents do not fit on a map of 2 nodes"),
         ("0,0,0\n1,1,1\n1,1,1\n", "start (0, 0) of scenario channels is on land"),
@@ -106,7 +106,7 @@ def test_an_image_with_dark_water_is_drawn_and_played(
     chart.paste(0, (1, 1, 5, 4))
     chart.save("chart.png")
     assert command("maps", "chart.png").out == "chart.png: 5 x 6, 18 nodes\n"
-    assert "all of its edge is water; if that is the land, give --water dark" in caplog.text
+    assert "all of its edge is water; if that is the land, give map.water = dark" in caplog.text
     for dark in (("--water", "dark"), ("--set", "map.water=dark")):
         assert command("maps", "chart.png", *dark).out == "chart.png: 5 x 6, 12 nodes\n"
     for name in ("evaluate", "compare"):

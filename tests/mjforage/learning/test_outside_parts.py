@@ -190,7 +190,7 @@ def test_a_models_encoder_is_part_of_the_run(folder: Path) -> None:
     forget()
     (folder / "own_encoder.py").write_text(ENCODER + "\n# edited\n")
     with pytest.raises(
-        UserError, match=r"another run: code.own_encoder is .* here; give --accept-code"
+        UserError, match=r"another run: code.own_encoder is .* here; give resume=.accept-code"
     ):
         evaluate(setup, ["own_model:Late"], folder / "run", episodes=1)
 
@@ -216,7 +216,7 @@ def test_training_takes_them_and_minds_their_source(folder: Path) -> None:
         forget()
         (folder / f"{name}.py").write_text(source + "\n# edited\n")
         with pytest.raises(
-            UserError, match=rf"another training: code.{name} is .* here; give --accept"
+            UserError, match=rf"another training: code.{name} is .* here; give resume=.accept"
         ):
             trained(folder / "run", 2)
         (folder / f"{name}.py").write_text(source)

@@ -131,7 +131,7 @@ def test_what_is_no_address_is_named_at_once(
     monkeypatch.setattr(cluster, "connected", lambda *_: pytest.fail("dask was asked"))
     run = ("evaluate", "comb-port", "--policy", "greedy", "--out", tmp_path / "out")
     line = refused(*run, "--scheduler", address)
-    assert line.startswith(f"mjforage: --scheduler{' ' * bool(address)}{address}: ")
+    assert line.startswith(f"mjforage: scheduler{' ' * bool(address)}{address}: ")
     assert "tcp://host:8786" in line
     assert not (tmp_path / "out").exists()
 
@@ -173,7 +173,7 @@ def test_a_worker_of_another_version_is_named(job: Job, name: str) -> None:
     others = tuple((key, "99" if key == name else value) for key, value in job.code)
     words = refusal(replace(job, code=others))
     assert words.startswith(f"worker on {socket.gethostname()}: {name} is ")
-    assert "but 99 where the command was given" in words
+    assert "but 99 where the run was started" in words
 
 
 def test_a_worker_of_several_threads_is_named(job: Job, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -186,7 +186,7 @@ def test_a_worker_of_several_threads_is_named(job: Job, monkeypatch: pytest.Monk
 def test_a_worker_that_does_not_see_the_folder_is_named(job: Job, tmp_path: Path) -> None:
     words = refusal(replace(job, folder=tmp_path / "elsewhere"))
     assert words.startswith(f"worker on {socket.gethostname()}: {tmp_path / 'elsewhere'}/run.json")
-    assert "--out must lie on a disk that all machines share" in words
+    assert "the run folder must lie on a disk that all machines share" in words
 
 
 def test_a_worker_with_another_scenario_is_named(job: Job) -> None:

@@ -208,5 +208,5 @@ class Items(Metric):
 def test_of_another_policy_its_code_is_not_told() -> None:
     code, policies = Difference("code", "a.py is gone"), Difference("policies", "policies is 1")
     told = refusal("run", [code, policies])
-    assert told.startswith("holds another run: policies is 1; give --fresh to keep")
-    assert refusal("run", [code]).startswith("holds another run: a.py is gone; give --accept-code")
+    assert told.startswith("holds another run: policies is 1; give resume=")
+    assert refusal("run", [code]).startswith('holds another run: a.py is gone; give resume="acc')

@@ -136,7 +136,7 @@ def test_its_source_is_part_of_the_run(folder: Path, forget: Forget) -> None:
     source = (folder / "own_policies.py").read_text()
     (folder / "own_policies.py").write_text(source.replace("int = NORTH", "int = 4"))
     words = "code.own_policies is "
-    with pytest.raises(UserError, match=f"another run: {words}.*; give --accept-code"):
+    with pytest.raises(UserError, match=f"another run: {words}.*; give resume=.accept-code"):
         played("run", "own_policies:North")
     before = tables(run)
     played("run", "own_policies:North", resume="accept-code-change")

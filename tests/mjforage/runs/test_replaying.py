@@ -101,7 +101,7 @@ def test_a_hull_that_was_changed_since_does_not_come_out(tmp_path: Path) -> None
     boat.write_text(boat.read_text().replace("mass_kg = { value = 36.0", "mass_kg = { value = 72"))
     message = error_of(run, "physics")
     assert "it was made with other versions, code or vessels" in message
-    assert "again with --fresh" in message
+    assert 'again with resume="fresh" (--fresh)' in message
 
 
 @pytest.mark.parametrize("content", [None, b"", b"PAR1"])
@@ -119,14 +119,14 @@ def test_a_spoilt_log_is_named(run_copy: Path, content: bytes | None) -> None:
     ("edit", "words"),
     [
         (lambda run: run.update(seed=1), "does not come out as logged"),
-        (lambda run: run.pop("map"), "missing map; run the"),
+        (lambda run: run.pop("map"), "missing map; run what"),
         (
             lambda run: run.update(policies=["gready"]),
             "policy gready: unknown; did you mean greedy",
         ),
         (lambda run: run["scenario"].update(horizn=3), "unknown key horizn; did you mean horizon?"),
         (lambda run: run["scenario"]["map"].update(starts=[[0, 0]]), "start (0, 0) of"),
-        (lambda run: run.update(timings=3), "timings = 3 should be a table; run the command"),
+        (lambda run: run.update(timings=3), "timings = 3 should be a table; run what"),
         (
             lambda run: run.update(timings={"wall_s": "x"}),
             "timings.wall_s = 'x' should be a",

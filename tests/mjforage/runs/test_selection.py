@@ -49,7 +49,7 @@ def test_what_names_no_episode_is_named(text: str, word: str) -> None:
 
 def test_an_episode_that_the_run_has_not_is_refused() -> None:
     assert check_selection((2, 0, 2), 3) == (2, 0)
-    with pytest.raises(UserError, match="--replay 3: the run has episodes 0 to 2"):
+    with pytest.raises(UserError, match="recorded episode 3: the run has episodes 0 to 2"):
         check_selection((0, 3), 3)
 
 

@@ -113,7 +113,11 @@ def test_same_run_may_be_opened_again_and_keeps_its_file(run: RunFolder) -> None
         ("scenario", {"name": "x", "team": {}}, '.scouts is {"count": 2} there and miss'),
         ("map", {"name": "m", "navigable": ["11", "11"]}, "map.navigable is"),
         ("versions", INFO["versions"] | {"mujoco": "4"}, 'mujoco is "3" there and "4" here'),
-        ("code", {"mjforage": "ef"}, 'code.mjforage is "ab" there and "ef" here; give --accept'),
+        (
+            "code",
+            {"mjforage": "ef"},
+            'is "ab" there and "ef" here; give resume="accept',
+        ),
         ("agents", [{"name": "other_0"}], "agents is"),
     ],
 )
@@ -139,7 +143,7 @@ def test_changed_code_is_accepted_on_request_and_noted(run: RunFolder) -> None:
     run.open(INFO, accept=True)
     assert len(json.loads((run.path / "run.json").read_text())["accepted"]) == 2
     message = error_of(run.open, changed | {"seed": 7}, True)
-    assert "seed is 0 there" in message and "--accept-code-change" not in message
+    assert "seed is 0 there" in message and "accept-code-change" not in message
 
 
 def test_what_a_fresh_run_replaces_is_kept_beside(run: RunFolder) -> None:
@@ -163,7 +167,7 @@ def test_a_run_json_that_is_none_is_refused_and_kept(tmp_path: Path, text: str) 
     file = tmp_path / "run.json"
     file.write_bytes(text.encode("utf-8", "surrogateescape"))
     message = error_of(RunFolder(tmp_path).open, INFO)
-    assert message == f"{file}: is not the run.json of a run; choose another --out"
+    assert message == f"{file}: is not the run.json of a run; choose another folder"
     assert file.read_bytes() == text.encode("utf-8", "surrogateescape")
 
 

@@ -72,7 +72,7 @@ def test_a_table_without_a_metric_or_with_another_one_is_one(
 def test_a_message_asks_to_move_the_file_unless_told_better(tmp_path: Path) -> None:
     path = tmp_path / "items.parquet"
     path.write_bytes(b"PAR1")
-    with pytest.raises(UserError, match=r"items\.parquet away and run the command that wrote it"):
+    with pytest.raises(UserError, match=r"items\.parquet away and run what wrote it"):
         check_table(path, "items")
     with pytest.raises(UserError, match=r"; mend it$"):
         read_table(path, "items", "mend it")

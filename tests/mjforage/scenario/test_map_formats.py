@@ -122,12 +122,13 @@ def test_an_edge_of_water_is_told_with_the_other_reading(
     ring[1:3, 2] = 0
     read("ring.png", image(ring if water == "light" else 255 - ring, "PNG"), water)
     other = {"light": "dark", "dark": "light"}[water]
-    line = f"map ring.png: all of its edge is water; if that is the land, give --water {other}"
+    line = f"map ring.png: all of its edge is water; if that is the land, give map.water = {other}"
     assert caplog.messages == [line]
     caplog.clear()
     ring[0, 0] = 0
     read("ring.png", image(ring, "PNG"))
-    read("sea.csv", "1,1\n1,1\n")  # nothing is the other way round there
+    read("sea.png", image(np.full((4, 5), 255, np.uint8), "PNG"))  # nothing is the other way round
+    read("ring.csv", "1,1,1\n1,0,1\n1,1,1\n")  # a table says which is water
     assert caplog.messages == []
 
 
@@ -149,7 +150,7 @@ def test_the_water_of_a_scenario_goes_with_its_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize("reference", ["comb_port", "harbour:combs:7"])
 def test_maps_whose_water_is_known_are_not_turned_round(reference: str) -> None:
     with pytest.raises(
-        UserError, match=f"map {reference}: has light water; leave out --water dark"
+        UserError, match=f"map {reference}: has light water; leave out map.water = dark"
     ):
         load_map(reference, water="dark")
 

@@ -114,7 +114,7 @@ def test_missing_map_is_named(reference: str, message: str) -> None:
 def test_corners_join_only_where_cutting_is_allowed(write: WriteMap) -> None:
     file = write("1,0\n0,1\n")
     assert load_map(file, corner_cutting=True).nodes == 2
-    with pytest.raises(UserError, match=r"map\.corner_cutting=true"):
+    with pytest.raises(UserError, match=r"map\.corner_cutting = true"):
         load_map(file)
 
 
@@ -126,7 +126,7 @@ def test_separate_components_are_counted_and_the_largest_offered(
         load_map(file)
     assert str(caught.value) == (
         "map harbour.csv: its 6 nodes form 3 separate components, of 3, 2, 1 nodes; "
-        "keep only that one where you play on it: --set map.largest_component=true"
+        "keep only that one where you play on it: give map.largest_component = true"
     )
     with caplog.at_level(logging.WARNING):
         grid = load_map(file, largest_component=True)
@@ -193,9 +193,7 @@ def test_bad_start_is_named_with_its_remedy(
     with pytest.raises(UserError) as caught:
         check_starts(starts, SMALL, "scenario published", "foo.csv")
     assert fault in str(caught.value)
-    assert str(caught.value).endswith(
-        "give --set map.starts='[[r,c],...]' or '[]' for a random cluster"
-    )
+    assert str(caught.value).endswith("give map.starts = [[r,c],...], or [] for a random cluster")
 
 
 def test_starts_beside_a_map_are_read(write: WriteMap) -> None:

@@ -74,10 +74,10 @@ def test_what_does_not_fit_is_named(override: str, words: str) -> None:
 @pytest.mark.parametrize(
     ("override", "words"),
     [
-        ("horizon", "--set horizon: expected KEY=VALUE"),
-        ("=3", "--set =3: expected KEY=VALUE"),
-        ("team..count=3", "--set team..count=3: expected KEY=VALUE"),
-        ("horizon.x=3", "--set horizon.x=3: horizon is a value, not a table"),
+        ("horizon", "set horizon: expected KEY=VALUE"),
+        ("=3", "set =3: expected KEY=VALUE"),
+        ("team..count=3", "set team..count=3: expected KEY=VALUE"),
+        ("horizon.x=3", "set horizon.x=3: horizon is a value, not a table"),
         ("horizon=3\nname='x'", "expected one value"),
         ("name=\udcff", "is not UTF-8"),
     ],
@@ -136,7 +136,7 @@ def test_a_file_that_is_not_toml_is_named(tmp_path: Path, content: bytes) -> Non
 
 def test_map_cannot_replace_the_grid_of_a_value(tmp_path: Path) -> None:
     reference = write(tmp_path, f'name = "mine"\nmap = 3\n{TEAMS}')
-    assert "--map open_bay: map is a value" in error_of(reference, map_file="open_bay")
+    assert "map open_bay: map is a value" in error_of(reference, map_file="open_bay")
 
 
 KEYS = st.sampled_from(

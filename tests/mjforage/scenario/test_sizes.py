@@ -65,7 +65,7 @@ def test_a_replay_that_is_too_large_is_refused() -> None:
     with pytest.raises(UserError) as caught:
         Trainer([load_scenario("comb-port")], chosen)
     words = "capacity = 10000000 for each team, with num_envs = 4096, needs about"
-    assert re.search(rf"--learning: a replay of {words} \d+ GB", str(caught.value))
+    assert re.search(rf"learning settings: a replay of {words} \d+ GB", str(caught.value))
 
 
 def test_the_memory_of_a_replay_is_what_its_arrays_take() -> None:

@@ -61,7 +61,7 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         """Prepare a run; as `Algorithm`, and `UserError` without TorchRL or on another device."""
         updates = _torchrl()
         if device != "cpu":
-            raise UserError(f"--device {device}: mappo trains on the CPU; use --device cpu")
+            raise UserError(f"device {device}: mappo trains on the CPU; choose cpu")
         teacher = teacher_label(hyperparameters.teacher)
         super().__init__(scenarios, replace(hyperparameters, teacher=teacher), seed, device)
         self._check_memory()
@@ -164,7 +164,7 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         each = sum(int(np.prod(shape)) for shape in self.shapes.values())
         steps = self.setup.scenario.horizon * self.hyperparameters.num_envs
         check_memory(
-            f"--learning: a round of num_envs = {self.hyperparameters.num_envs} episodes",
+            f"learning settings: a round of num_envs = {self.hyperparameters.num_envs} episodes",
             2 * steps * len(self.setup.fleet) * each,  # while they are joined they are there twice
             "give fewer environments",
         )

@@ -48,7 +48,9 @@ def _file(page: Path, picture: str) -> str:
 
 
 def command_of(logs: StudyLogs) -> str:
-    """The command that made the study, without the folder that it was given."""
+    """The command that made the study, without the folder that it was given; words on Python."""
+    if not logs.info.command.startswith("mjforage "):
+        return f"# {logs.info.command}"
     words = shlex.split(logs.info.command)
     places = {place + end for place, word in enumerate(words) if word == "--out" for end in (0, 1)}
     kept = [

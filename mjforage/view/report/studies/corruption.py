@@ -154,7 +154,7 @@ def _slope_notes(logs: StudyLogs, printed: bool) -> tuple[str, ...]:
         else "Every agent has its own draw, as the paper defines it."
     )
     if printed and unlike_draws(logs):
-        draw += " Its printed slopes were made with one draw for the whole team (`--whole-team`)."
+        draw += " Its printed slopes were made with one draw for the whole team (whole_team)."
     return (
         "The arrow beside a metric holds for its means at ε = 0 and 1 and for SS. "
         "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "

@@ -91,7 +91,7 @@ def test_what_no_training_writes_is_refused(
     copy = tmp_path / "copy"
     shutil.copytree(finished[0], copy)
     spoilt(copy, change)
-    with pytest.raises(UserError, match=rf"checkpoint .*{words}.*remove it or give another --out"):
+    with pytest.raises(UserError, match=rf"checkpoint .*{words}.*remove it or give another folder"):
         train(scenario(), hyperparameters(), copy, seed=3, updates=80)
 
 

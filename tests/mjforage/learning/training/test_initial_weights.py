@@ -78,10 +78,10 @@ def test_weights_are_a_policys_or_a_files(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"initial": "greedy"}, "--from greedy: plays no weights; give a policy that does"),
+        ({"initial": "greedy"}, "initial weights greedy: is a policy that plays none; give one"),
         ({"initial": "ddqm"}, "policy ddqm: unknown; did you mean ddqn"),
         ({"initial": "none.safetensors"}, "weights none.safetensors: cannot be read"),
-        ({"observation": "paper"}, "--from ddqn: weights of the egocentric observation, but this"),
+        ({"observation": "paper"}, "initial weights ddqn: are of the egocentric observation, but"),
         ({"initial": "bad.safetensors"}, "weights bad.safetensors: not a safetensors file"),
         ({"initial": "small.safetensors"}, "weights small.safetensors: none for a scout"),
     ],

@@ -21,7 +21,7 @@ from tests.mjforage.learning.training.tiny_runs import hyperparameters, scenario
 
 
 def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="no end given; add --hours 2 or --updates 10000"):
+    with pytest.raises(UserError, match="no end given; give hours or updates, such as hours = 2"):
         train(scenario(), hyperparameters(), tmp_path)
     copy = tmp_path / "copy"
     shutil.copytree(finished[0], copy)
@@ -34,7 +34,7 @@ def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: 
     (copy / "checkpoint.safetensors").write_bytes(b"none")
     with pytest.raises(UserError, match="cannot be read"):
         train(scenario(), hyperparameters(), copy, seed=3, updates=1)
-    with pytest.raises(UserError, match="--device tpu: choose auto, cpu or cuda"):
+    with pytest.raises(UserError, match="device tpu: choose auto, cpu or cuda"):
         train(scenario(), hyperparameters(), tmp_path, updates=1, device="tpu")
     with folder_lock(copy), pytest.raises(UserError, match="another process is writing this run"):
         train(scenario(), hyperparameters(), copy, seed=3, updates=1)
@@ -68,7 +68,7 @@ def test_files_that_cannot_be_written_are_named(
     [
         ({"batchsize": 3}, "unknown key batchsize; did you mean batch"),
         ({"batch": 1.5}, "batch = 1.5 should be a valid integer"),
-        ({"gamma": 2}, "--learning: gamma = 2 should be "),
+        ({"gamma": 2}, "learning settings: gamma = 2 should be "),
         ({"reward.removd": 2.0}, "reward removd: unknown; did you mean removed"),
         ({"warmup": 1001}, "warmup = 1001: the replay holds only capacity = 1000"),
         ({"updates_per_step": 0}, "updates_per_step = 0 should be "),
@@ -85,11 +85,11 @@ def test_settings_are_checked(changes: dict[str, object], words: str) -> None:
 @pytest.mark.parametrize(
     ("end", "words"),
     [
-        ({"hours": float("nan")}, "--hours nan: give a positive number"),
-        ({"hours": float("inf")}, "--hours inf: give a positive number"),
-        ({"hours": -1.0}, "--hours -1.0: give a positive number"),
-        ({"updates": 0}, "--updates 0: give a positive number"),
-        ({"updates": 1, "hours": 0.0}, "--hours 0.0: give a positive number"),
+        ({"hours": float("nan")}, "train: hours nan: give a positive number"),
+        ({"hours": float("inf")}, "train: hours inf: give a positive number"),
+        ({"hours": -1.0}, "train: hours -1.0: give a positive number"),
+        ({"updates": 0}, "train: updates 0: give a positive number"),
+        ({"updates": 1, "hours": 0.0}, "train: hours 0.0: give a positive number"),
         ({"updates": 1, "seed": -1}, "seed -1: out of range; give 0 to 1099511627775"),
         ({"updates": 1, "seed": 1 << 64}, "seed 18446744073709551616: out of range"),
     ],

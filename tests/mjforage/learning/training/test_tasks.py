@@ -107,11 +107,17 @@ def test_a_teacher_knows_what_each_agent_knows() -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"vary.link.range_m": []}, r"--learning: vary.link.range_m = \[\]: no values; give some"),
-        ({"vary.link.range_m": [-3]}, "--learning vary: link.range_m = -3 should be "),
-        ({"vary.link.rang_m": [3]}, "--learning vary: unknown key link.rang_m; did you mean"),
-        ({"vary.link.range_m": 3}, r"--learning: vary.link.range_m = 3 should be"),
-        ({"vary.seeds": [3]}, "--learning vary: unknown key seeds"),
+        (
+            {"vary.link.range_m": []},
+            r"learning settings: vary.link.range_m = \[\]: no values",
+        ),
+        ({"vary.link.range_m": [-3]}, "learning settings, vary: link.range_m = -3 should be "),
+        (
+            {"vary.link.rang_m": [3]},
+            "learning settings, vary: unknown key link.rang_m; did you",
+        ),
+        ({"vary.link.range_m": 3}, r"learning settings: vary.link.range_m = 3 should be"),
+        ({"vary.seeds": [3]}, "learning settings, vary: unknown key seeds"),
         ({"vary.link.latency": list(range(257))}, "vary makes 257 scenarios of one; give at most"),
         ({"vary.team.scouts.count": [1, 2]}, "fleets or arrays differ"),
     ],

@@ -166,7 +166,7 @@ def test_study_json_follows_its_schema(folder: Path) -> None:
 
 def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:
     (folder / "summary.json").unlink()
-    words = "the study is not finished; run the command that made this folder again, it completes"
+    words = "the study is not finished; run what made this folder again, it completes"
     assert words in refused("report", folder)
 
 

@@ -70,7 +70,7 @@ def test_the_page_says_what_it_leaves_out_and_the_files_have_all(
     page = (many / "report.html").read_text()
     assert "show 2 of the 200 policies" in page
     assert re.findall("policy-0[0-9]+ − policy-0[0-9]+", page)[0] == "policy-0050 − policy-0100"
-    assert "--policy ogr: is not in this run; choose policy-0000" in refused(
+    assert "policy ogr: is not in this run; choose policy-0000" in refused(
         "report", many, "--policy", "ogr"
     )
     assert "is for the report of one run" in refused("report", many, many, "--policy", "ogr")

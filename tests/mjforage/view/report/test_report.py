@@ -194,7 +194,7 @@ def test_damage_is_named(
     with pytest.raises(UserError, match=re.escape(words)) as caught:
         write_report(folder)
     assert Path(name).name in str(caught.value)
-    assert "run the command that made this folder again" in str(caught.value)
+    assert "run what made this folder again" in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (folder / "report.html").exists()
 

@@ -250,3 +250,5 @@ def test_the_command_on_the_page_names_no_folder(made: StudyLogs) -> None:
     assert command_of(logs) == "mjforage study board comb-port --policy 'greedy(distance=2)'"
     glued = replace(made, info=replace(made.info, command="mjforage study board --out=/x a"))
     assert command_of(glued) == "mjforage study board a"
+    called = replace(made, info=replace(made.info, command="made in Python (mjforage.board)"))
+    assert command_of(called) == "# made in Python (mjforage.board)"
