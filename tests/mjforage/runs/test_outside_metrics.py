@@ -165,7 +165,7 @@ def test_its_source_is_part_of_the_run(folder: Path) -> None:
     assert "own_waste" in json.loads((run / "run.json").read_text())["code"]
     forget()
     (folder / "own_waste.py").write_text(SOURCE + "\n# edited\n")
-    with pytest.raises(UserError, match=r"another run: code.own_waste is .*; give --acc"):
+    with pytest.raises(UserError, match=r"another run: code.own_waste is .*; give resume=.acc"):
         played("run", OWN)
     with pytest.raises(UserError, match=r"another run: metrics.left is true there and missing h"):
         played("run")

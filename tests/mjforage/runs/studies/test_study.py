@@ -111,7 +111,7 @@ def test_another_kind_and_other_folders_are_named(
     ("changes", "words"),
     [
         (("--policy", "gredy"), "policy gredy: unknown; did you mean greedy?"),
-        (("--step", 0.3), "--step 0.3: give 1/N"),
+        (("--step", 0.3), "step 0.3: give 1/N"),
         (("--scheduler", "tcp://node7"), "is no address"),
     ],
 )
