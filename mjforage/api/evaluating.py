@@ -1,20 +1,21 @@
 """`evaluate`, `compare` and `load_run`: runs of policies on the same episodes."""
 
-import os
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
+from mjforage.api import checks
 from mjforage.api.calls import call
+from mjforage.api.checks import Named
 from mjforage.api.players import Players
 from mjforage.api.progress import bar
 from mjforage.api.run import Run
-from mjforage.api.scenarios import Named, scenario_of
+from mjforage.api.scenarios import scenario_of
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
-from mjforage.physics.worlds import WORLDS, ladder_of
+from mjforage.physics.worlds import ladder_of
 from mjforage.runs.evaluate import evaluate as run_evaluate
 from mjforage.runs.resuming import Resume
 from mjforage.runs.selection import USUAL
@@ -35,7 +36,7 @@ def evaluate(
     metrics: Sequence[str] = (),
     record: Sequence[str | int] = USUAL,
     resume: Resume = "same",
-    workers: Workers | None = None,
+    scheduler: str = "",
     progress: bool | Callable[[int, int], None] | None = None,
     **changes: Any,
 ) -> Run:
@@ -60,7 +61,7 @@ def evaluate(
     record : episodes to record for reports and films: numbers, first, median, worst, best
     resume : what to do with a run that the folder holds: "same" resumes only the same run, "fresh"
         keeps it aside as NAME.before-TIME, "accept-code-change" resumes it although code differs
-    workers : a dask cluster instead of `jobs`
+    scheduler : address of a dask scheduler, whose workers compute instead of `jobs`
     progress : True shows a bar, a function is called with (done, total); None: a bar where a
         person is watching
     changes : as of `Scenario.replace`
@@ -77,14 +78,14 @@ def evaluate(
     >>> run.episodes.height
     4
     """
-    check_whole(episodes=episodes, seed=seed, jobs=jobs)
-    check_kinds(folder, resume, progress)
-    worlds = worlds_of(world)
+    checks.check_play(episodes, seed, jobs, scheduler, resume, progress)
+    options: dict[str, Any] = {"episodes": int(episodes), "seed": int(seed), "resume": resume}
+    options |= {"worlds": checks.check_worlds(world), "metrics": checks.texts("metrics", metrics)}
+    options |= {"kept": _recorded(record), "workers": Workers(int(jobs), scheduler)}
+    given = None if folder is None else checks.path("folder", folder)
     players = Players.of(policies)
-    temporary = Path(tempfile.mkdtemp(prefix="mjforage-")) if folder is None else None
-    target = Path(folder) if folder is not None else temporary / "run"  # type: ignore[operator]
-    options: dict[str, Any] = {"episodes": episodes, "seed": seed, "worlds": worlds}
-    options |= {"metrics": tuple(metrics), "kept": tuple(record), "resume": resume}
+    temporary = Path(tempfile.mkdtemp(prefix="mjforage-")) if given is None else None
+    target = given or temporary / "run"  # type: ignore[operator]
     warnings: Sequence[str] = ()
     try:
         with (
@@ -92,14 +93,7 @@ def evaluate(
             players.known() as names,
             bar("evaluate", "episodes", progress) as shown,
         ):
-            run_evaluate(
-                scenario_of(scenario, changes),
-                names,
-                target,
-                workers=workers or Workers(jobs),
-                progress=shown,
-                **options,
-            )
+            run_evaluate(scenario_of(scenario, changes), names, target, progress=shown, **options)
     except KeyboardInterrupt:
         if not (target / "run.json").is_file():
             _remove(temporary)
@@ -116,7 +110,15 @@ def compare(
     *,
     episodes: int = 20,
     ladder: bool = False,
-    **options: Any,
+    seed: int = 0,
+    jobs: int = 1,
+    folder: Named | None = None,
+    metrics: Sequence[str] = (),
+    record: Sequence[str | int] = USUAL,
+    resume: Resume = "same",
+    scheduler: str = "",
+    progress: bool | Callable[[int, int], None] | None = None,
+    **changes: Any,
 ) -> Run:
     """Play policies on the same episodes at graph level and in MuJoCo.
 
@@ -125,7 +127,7 @@ def compare(
     scenario, policies : as of `evaluate`
     episodes : for each policy and world
     ladder : also the fidelity levels between, each with one effect more
-    options : all others of `evaluate` but `world`
+    seed, jobs, folder, metrics, record, resume, scheduler, progress, changes : as of `evaluate`
 
     Raises
     ------
@@ -139,14 +141,24 @@ def compare(
     >>> gap.differences(world=("graph", "physics"), metrics=["pta_d"])["world"].to_list()
     ['physics - graph']
     """
-    if "world" in options:
+    if "world" in changes:
         raise UserError("compare takes no world; give evaluate(..., world=[...]) those you want")
-    names = {"jobs", "seed", "folder", "metrics", "record", "resume", "workers", "progress"}
-    changes = {key: options.pop(key) for key in list(options) if key not in names}
     setup = scenario_of(scenario, changes)
-    worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
     with call("compare"):
-        return evaluate(setup, policies, episodes=episodes, world=worlds, **options)
+        return evaluate(
+            setup,
+            policies,
+            episodes=episodes,
+            seed=seed,
+            world=ladder_of(setup.scenario) if ladder else ("graph", "physics"),
+            jobs=jobs,
+            folder=folder,
+            metrics=metrics,
+            record=record,
+            resume=resume,
+            scheduler=scheduler,
+            progress=progress,
+        )
 
 
 def load_run(folder: Named, *, policies: object = ()) -> Run:
@@ -154,7 +166,9 @@ def load_run(folder: Named, *, policies: object = ()) -> Run:
 
     Parameters
     ----------
-    policies : those of the run that were objects of the process that made it, for its films
+    policies : policies of the run that were objects of the process that made it, or are your own
+        ``package.module:Class``: its films may simulate their episodes again. An object is known by
+        its name, or by that of a dict of name -> policy
 
     Raises
     ------
@@ -168,35 +182,17 @@ def load_run(folder: Named, *, policies: object = ()) -> Run:
     >>> mf.load_run("runs/first")
     Run(open-bay, graph, greedy, 1 episode, seed 0)
     """
-    check_kinds(folder)
-    return Run(Path(folder), players=Players.of(policies))
+    return Run(checks.path("folder", folder), players=Players.of(policies))
+
+
+def _recorded(record: object) -> tuple[str | int, ...]:
+    """Episodes to record; raises `TypeError` for what is neither a list nor a name."""
+    several = [record] if isinstance(record, str) else record
+    if not isinstance(several, Sequence):
+        raise TypeError(f"record is {type(record).__name__}; give a list such as [0, 'worst']")
+    return tuple(one if isinstance(one, str) else checks.whole("record", one, 0) for one in several)
 
 
 def _remove(folder: Path | None) -> None:
     if folder is not None:
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def worlds_of(world: object) -> tuple[str, ...]:
-    """Names of worlds, of one or several; raises `UserError` for anything else."""
-    several = (world,) if isinstance(world, str) else world
-    if not isinstance(several, Sequence) or not several:
-        raise UserError(f"world {world!r}: give one of {', '.join(WORLDS)}, or several in a list")
-    return tuple(str(one) for one in several)
-
-
-def check_kinds(folder: object, resume: object = "same", progress: object = None) -> None:
-    """Refuse options of a wrong kind; raises `TypeError` or `UserError`."""
-    if folder is not None and not isinstance(folder, str | os.PathLike):
-        raise TypeError(f"folder is {type(folder).__name__}; give a path")
-    if resume not in get_args(Resume):
-        raise UserError(f"resume {resume!r}: choose {', '.join(get_args(Resume))}")
-    if not (progress is None or isinstance(progress, bool) or callable(progress)):
-        raise TypeError(f"progress is {type(progress).__name__}; give True, False or a function")
-
-
-def check_whole(**numbers: object) -> None:
-    """Refuse what is no whole number; raises `TypeError`."""
-    for name, value in numbers.items():
-        if isinstance(value, bool) or not hasattr(value, "__index__"):
-            raise TypeError(f"{name} is {type(value).__name__}; give a whole number")

@@ -12,14 +12,15 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.references import nearest
 from mjforage.base.registry import fault
+from mjforage.graph_planner.encodings import LegalMoves
 from mjforage.graph_planner.graph.navigation import COMPASS, STAY
+from mjforage.mission.moves import CHOSEN, OTHERWISE_STAY
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task
 from mjforage.runs.sources import source_hash
 
 Move = str | int | None
 Function = Callable[[View], Mapping[str, Move] | None]
-CHOSEN, OTHERWISE_STAY = 2.0, 1.0
 
 
 class FunctionPolicy:
@@ -30,15 +31,16 @@ class FunctionPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task, self._plain = task, Plain(task, keys.size)
+        self._task, self._plain, self._legal = task, Plain(task, keys.size), LegalMoves(task)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9); raises `UserError` if the function gives no moves."""
         observation = self._plain(observation)
         self._preferences[..., :STAY], self._preferences[..., STAY] = 0.0, OTHERWISE_STAY
+        legal = self._legal(observation.agent_node, observation.energy_left)
         for row in np.flatnonzero(observation.active).tolist():
-            for agent, move in self._ask(View(self._task, observation, row)):
+            for agent, move in self._ask(View(self._task, observation, row, legal[row])):
                 self._preferences[row, agent, move] = CHOSEN
         return self._preferences
 

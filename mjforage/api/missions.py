@@ -6,15 +6,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.api.functions import CHOSEN, OTHERWISE_STAY, Move, move_number
+from mjforage.api import checks
+from mjforage.api.checks import Named
+from mjforage.api.functions import Move, move_number
 from mjforage.api.players import Players
-from mjforage.api.scenarios import Named, scenario_of
+from mjforage.api.scenarios import scenario_of
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import LegalMoves
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission as Core
+from mjforage.mission.moves import preferences_of
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import WORLDS, create_mission
 
@@ -62,6 +65,13 @@ class State(NamedTuple):
     belief: NDArray[np.int16]
     legal_moves: NDArray[np.bool_]
 
+    def __repr__(self) -> str:
+        items = f"{np.sum(self.item_present)} of {np.shape(self.item_present)[-1]} items float"
+        if np.ndim(self.step):
+            steps = f"steps {np.min(self.step)} to {np.max(self.step)}"
+            return f"State({np.size(self.step)} episodes, {steps})"
+        return f"State(step {self.step}, {self.time_s:g} s, {len(self.agent_node)} agents, {items})"
+
 
 class Mission:
     """A mission in one of the worlds, played step by step; made by `make_mission`.
@@ -102,12 +112,12 @@ class Mission:
             If a number is out of range.
         """
         count = self._batch or 1
-        numbers = np.atleast_1d(np.arange(count) if episode is None else np.asarray(episode))
-        if numbers.shape != (count,) or numbers.dtype.kind not in "iu" or (numbers < 0).any():
+        several = [episode] if isinstance(episode, int | np.integer) else episode
+        numbers = list(range(count)) if several is None else several
+        if isinstance(numbers, str) or len(numbers) != count:
             raise UserError(f"episode {episode!r}: give {count} whole number(s) from 0 on")
-        if not 0 <= seed < 1 << 64:
-            raise UserError(f"seed {seed}: give 0 to 2**64 - 1")
-        self._core.reset(seed, numbers.astype(np.int64))
+        chosen = [checks.whole("episode", one, 0, 2**63 - 1) for one in numbers]
+        self._core.reset(checks.whole("seed", seed, 0, 2**64 - 1), np.array(chosen, np.int64))
         self._started = True
         return self.state
 
@@ -127,10 +137,7 @@ class Mission:
         """
         self._check_started("step")
         wanted = self._numbers(moves)
-        preferences = np.zeros((*wanted.shape, 9))
-        preferences[..., STAY] = OTHERWISE_STAY
-        np.put_along_axis(preferences, wanted[..., None], CHOSEN, axis=-1)
-        self._core.advance(preferences)
+        self._core.advance(preferences_of(wanted))
         return self.state
 
     def play(self, policy: object) -> Iterator[State]:
@@ -146,9 +153,10 @@ class Mission:
             If there is no such policy, or no episode has been started.
         """
         self._check_started("play")
-        with Players.of(policy).known() as names:
-            if len(names) != 1:
-                raise UserError(f"play: {len(names)} policies; give one")
+        players = Players.of(policy)
+        if len(players.names) != 1:
+            raise UserError(f"play: {len(players.names)} policies; give one")
+        with players.known() as names:
             player = create_policy(names[0])
         self._core.prepare(player)
 
@@ -167,6 +175,7 @@ class Mission:
         settings = self.scenario.scenario
         exists = np.arange(now.item_node.shape[1]) < core.initial.n_items[:, None]
         item_xy = np.where(exists[..., None], graph.metres(now.item_rc), np.nan)
+        legal = self._legal(now.agent_node, core.energy_left)
         found = State(
             step=core.step.copy(),
             time_s=core.step * settings.period_s,
@@ -181,7 +190,7 @@ class Mission:
             collected=core.taken.copy(),
             discovered=core.ledger.t_discovered >= 0,
             belief=graph.grid(core.knowledge.belief).astype(np.int16),
-            legal_moves=self._legal(now.agent_node, core.energy_left).astype(np.bool_),
+            legal_moves=legal.astype(np.bool_),
         )
         if self._batch is not None:
             return found
@@ -246,10 +255,8 @@ def make_mission(
     >>> state.step.tolist()
     [5, 5, 5]
     """
-    if world not in WORLDS:
-        raise UserError(f"world {world!r}: unknown; {nearest(str(world), WORLDS)}")
-    if batch is not None and (isinstance(batch, bool) or batch < 1):
-        raise UserError(f"batch {batch!r}: give 1 or more, or None for one episode")
+    checks.one_of("world", world, WORLDS)
+    number = None if batch is None else checks.whole("batch", batch, 1)
     setup = scenario_of(scenario, changes)
-    setup.check_memory(batch or 1)
-    return Mission(setup, world, batch)
+    setup.check_memory(number or 1)
+    return Mission(setup, world, number)

@@ -12,7 +12,7 @@ from typing import Any
 
 from mjforage.api.functions import policy_of_function, said_of
 from mjforage.base.errors import UserError
-from mjforage.base.registry import is_ours
+from mjforage.base.registry import is_ours, trust
 from mjforage.graph_planner.policies.registry import POLICIES, own_weights, weights_player
 from mjforage.mission.policy import Policy
 from mjforage.runs.sources import source_hash
@@ -21,6 +21,7 @@ FORMS = (
     'a name such as "greedy", a class or an object with `reset` and `act`, a function of one view, '
     'a file "NAME.safetensors", or a model with `predict`'
 )
+LONGEST = 100  # letters of a name
 _METHODS = ("reset", "act", "set_ground_truth", "forecast")
 _HANDED = ("set_ground_truth", "parts", "libraries")
 """Attributes of a policy's class by which a run tells what it is."""
@@ -67,12 +68,16 @@ class Players:
     def known(self) -> Iterator[list[str]]:
         """Let the registry of policies find the objects by name; yields the names.
 
+        Code that a name has is trusted from here on: to give it is the user's word.
+
         Raises
         ------
         UserError
             If a name is that of another policy.
         """
         POLICIES.put(self.objects)
+        plain = (name.partition("(")[0].strip() for name in self.names)
+        trust(*(name for name in plain if ":" in name))
         try:
             yield list(self.names)
         finally:
@@ -83,6 +88,8 @@ def _found(policy: Any, name: str) -> str | type:
     """Name of a policy, or class of one that is an object."""
     if isinstance(policy, str | Path):
         return _of_text(str(policy), name)
+    if inspect.iscoroutinefunction(policy):
+        raise UserError(f"policy {name or policy.__name__}: is async; give a plain function")
     if inspect.isclass(policy):
         shipped = _shipped_name(policy) if not name else ""
         return shipped or _of_class(policy, name or policy.__name__)
@@ -98,9 +105,9 @@ def _found(policy: Any, name: str) -> str | type:
 
 
 def _checked(name: str) -> str:
-    if not name.replace("_", "").replace("-", "").isalnum():
+    if not name.replace("_", "").replace("-", "").isalnum() or len(name) > LONGEST:
         remedy = 'give it a name of letters and digits, as in {"my-policy": policy}'
-        raise UserError(f"policy {name!r}: {remedy}")
+        raise UserError(f"policy {reprlib.repr(name)}: {remedy}")
     return name
 
 

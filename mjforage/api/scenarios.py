@@ -1,14 +1,17 @@
 """Scenarios and maps as a user of Python has them: names, files, arrays and objects."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import tomli_w
 from numpy.typing import ArrayLike, NDArray
 
+from mjforage.api import checks
+from mjforage.api.checks import Named
 from mjforage.api.vessels import vessel_file
 from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
@@ -29,8 +32,6 @@ from mjforage.scenario.scenario import Scenario as Settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Named = str | os.PathLike[str]
 
 
 class Map:
@@ -59,6 +60,8 @@ class Map:
     Map(array, 20 x 30 at 2 m, 600 nodes)
     """
 
+    __slots__ = ("_grid", "_pitch_m", "_starts")
+
     def __init__(
         self,
         water: Named | ArrayLike,
@@ -68,18 +71,22 @@ class Map:
         name: str | None = None,
         water_is: WaterIs = "light",
     ) -> None:
+        checks.one_of("water_is", water_is, get_args(WaterIs))
         if isinstance(water, str | os.PathLike):
             grid, beside = load_map(os.fspath(water), water=water_is), load_starts(os.fspath(water))
+        elif water_is != "light":
+            raise UserError(f"water_is {water_is!r}: is for files; mark an array's water with True")
         else:
             grid, beside = GridMap("array", water_of_array(water)), None
             if not grid.nodes:
                 raise UserError("map: the array has no water; mark water with 1 or True")
-        self._grid = GridMap(name or grid.name, grid.navigable)
-        self._starts = starts if starts is not None else beside
-        if not (isinstance(pitch_m, int | float | np.number) and 0.0 < pitch_m < np.inf):
-            raise UserError(f"pitch_m = {pitch_m!r}: give metres above 0")
-        self._pitch_m = float(pitch_m)
-        check_starts(self.starts, self.water, "this map", self.name)
+        given = beside or () if starts is None else _cells(starts)
+        self._grid = GridMap(
+            grid.name if name is None else checks.text("name", name), grid.navigable
+        )
+        self._starts: Starts = tuple((int(row), int(column)) for row, column in given)
+        self._pitch_m = checks.real("pitch_m", pitch_m, above=0.0)
+        check_starts(self._starts, self.water, "this map", self.name)
 
     @property
     def name(self) -> str:
@@ -99,7 +106,7 @@ class Map:
     @property
     def starts(self) -> Starts:
         """(row, column) of the starts; empty: a random cluster."""
-        return tuple((int(row), int(column)) for row, column in self._starts or ())
+        return self._starts
 
     def plot(self) -> "Figure":
         """Figure of the map, north up, with its starts."""
@@ -115,7 +122,7 @@ class Map:
         UserError
             If a file cannot be written.
         """
-        target = Path(path)
+        target = checks.path("path", path)
         write_table(self.water, target)
         if self.starts:
             with atomic_write(target.with_name(f"{target.stem}.starts.csv")) as beside:
@@ -128,6 +135,7 @@ class Map:
         return f"Map({self.name}, {size}, {self._grid.nodes} nodes)"
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Scenario(Setup):
     """A scenario with its map, checked; immutable.
 
@@ -159,7 +167,8 @@ class Scenario(Setup):
 
         Parameters
         ----------
-        map : another grid: a `Map`, a name, a file, or an array (rows, columns), True for water
+        map : another grid: a `Map`, a name, a file, or an array (rows, columns), True for water. It
+            brings its own starts; the command line's `--map` keeps those of the scenario
         changes : keys of a scenario file, such as ``horizon=60`` or
             ``weather={"wind_speed_mps": 5.0}``; vessels of teams are
             ``physics={"vessels": {"scouts": "otter"}}``, by name, file or `Vessel`
@@ -183,7 +192,7 @@ class Scenario(Setup):
         UserError
             If a file cannot be written.
         """
-        target = Path(path)
+        target = checks.path("path", path)
         tree = _present(self.to_dict())
         file = self.scenario.map.file
         if not (is_shipped_map(file) or is_harbour(file)):
@@ -231,6 +240,16 @@ def load_scenario(
     if not isinstance(reference, str | os.PathLike):
         raise TypeError(f"scenario is {type(reference).__name__}; give a name or a TOML file")
     return _changed(scenario_file.load_scenario(os.fspath(reference)), None, map, changes)
+
+
+def _cells(starts: object) -> list[list[int]]:
+    """(row, column) of each start; raises `TypeError` for anything else."""
+    several = starts.tolist() if isinstance(starts, np.ndarray) else starts
+    if not isinstance(several, Sequence) or not all(
+        isinstance(one, Sequence) and not isinstance(one, str) and len(one) == 2 for one in several
+    ):
+        raise TypeError(f"starts {starts!r}: give (row, column) of each, as in [(2, 5), (3, 5)]")
+    return [[checks.whole("start", part, 0) for part in one] for one in several]
 
 
 def scenario_of(given: "Setup | Named", changes: Mapping[str, Any]) -> Setup:

@@ -8,12 +8,13 @@ from typing import Any
 
 import polars as pl
 
+from mjforage.api import checks
 from mjforage.api.calls import call
-from mjforage.api.evaluating import check_kinds, check_whole, worlds_of
+from mjforage.api.checks import Named
 from mjforage.api.players import Players
 from mjforage.api.progress import bar
 from mjforage.api.run import NOBODY, Run
-from mjforage.api.scenarios import Named, scenario_of
+from mjforage.api.scenarios import scenario_of
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
@@ -61,7 +62,7 @@ KINDS: dict[str, Kind] = {
 
 
 class Study:
-    """A finished or unfinished study in its folder.
+    """A study in its folder, finished or not; `Study(folder)` opens one.
 
     Attributes
     ----------
@@ -79,10 +80,12 @@ class Study:
     """
 
     def __init__(
-        self, folder: Path, players: Players = NOBODY, warnings: Sequence[str] = ()
+        self, folder: Named, players: Players = NOBODY, warnings: Sequence[str] = ()
     ) -> None:
-        self.folder, self._players, self.warnings = folder, players, tuple(warnings)
-        self._info = load_study_info(folder / "study.json")
+        """Open a study folder."""
+        self.folder, self._players = checks.path("folder", folder), players
+        self.warnings = tuple(warnings)
+        self._info = load_study_info(self.folder / "study.json")
 
     @property
     def variants(self) -> tuple[str, ...]:
@@ -97,8 +100,7 @@ class Study:
         UserError
             If there is no such variant, or it has not been started.
         """
-        if variant not in self.variants:
-            raise UserError(f"variant {variant!r}: unknown; {nearest(variant, self.variants)}")
+        checks.one_of("variant", variant, self.variants)
         return Run(variant_folder(self.folder, variant), players=self._players)
 
     @property
@@ -109,17 +111,38 @@ class Study:
             for one in self.variants
         )
 
-    def report(self) -> Path:
+    def report(
+        self, *, tables: str | Sequence[str] = (), figures: str | Sequence[str] = ()
+    ) -> Path:
         """Write `report.html` with its tables and figures into the folder.
+
+        Parameters
+        ----------
+        tables : formats of tables, besides csv: latex, markdown
+        figures : formats of figures: pdf, png, svg
 
         Raises
         ------
         UserError
             If the study is not finished, or a file cannot be written.
         """
+        from mjforage.view.report import Exports
         from mjforage.view.report.studies import write_study_report
 
-        return write_study_report(self.folder)
+        exports = Exports.of(checks.texts("tables", tables), checks.texts("figures", figures))
+        return write_study_report(self.folder, exports)
+
+    def board_page(self, path: Named) -> Path:
+        """Write a board as one Markdown page, with its figures beside it.
+
+        Raises
+        ------
+        UserError
+            If the study is no finished board, or a file cannot be written.
+        """
+        from mjforage.view.report.studies.board_page import write_board_page
+
+        return write_board_page(self.folder, checks.path("path", path))
 
     def __repr__(self) -> str:
         return f"Study({self._info.kind}, {len(self.variants)} variants, {self.folder})"
@@ -138,7 +161,7 @@ def study(
     metrics: Sequence[str] = (),
     options: Mapping[str, Any] | None = None,
     resume: Resume = "same",
-    workers: Workers | None = None,
+    scheduler: str = "",
     progress: bool | Callable[[int, int], None] | None = None,
     begin: Callable[[str, Plan], None] = lambda words, plan: None,
     **changes: Any,
@@ -150,7 +173,7 @@ def study(
     kind : parts, ablation, corruption, paper, communication or sensing; see docs/studies.md
     scenario, policies, changes : as of `evaluate`; by default the kind's own
     folder : study folder; what it holds of the same study is resumed
-    world, episodes, seed, jobs, metrics, resume, workers, progress : as of `evaluate`
+    world, episodes, seed, jobs, metrics, resume, scheduler, progress : as of `evaluate`
     options : of corruption and paper: step (distance of levels), whole_team (one draw for a team)
     begin : called with words and the plan, before the first episode
 
@@ -166,10 +189,9 @@ def study(
     >>> mf.study("communication", "open-bay", "levy", **few).summary.columns[:3]
     ['variant', 'world', 'policy']
     """
-    if kind not in KINDS:
-        raise UserError(f"study {kind!r}: unknown; {nearest(str(kind), KINDS)}")
-    check_whole(episodes=episodes, seed=seed, jobs=jobs)
-    check_kinds(folder, resume, progress)
+    checks.one_of("study", kind, KINDS)
+    checks.check_play(episodes, seed, jobs, scheduler, resume, progress)
+    target, worlds = checks.path("folder", folder), checks.check_worlds(world)
     chosen, given = KINDS[kind], dict(options or {})
     for name in given:
         if name not in chosen.options:
@@ -180,9 +202,10 @@ def study(
     words = f"{kind} study of {setup.scenario.name} on map {setup.grid.name}"
     with players.known() as names:
         varied = chosen.varied(setup.scenario, names, *given.values())
-        plan = Plan(kind, setup, varied, worlds_of(world), episodes, seed, given, tuple(metrics))
-        how = workers or Workers(jobs), progress, resume, partial(begin, words)
-        return _played(plan, folder, players, *how)
+        about = episodes, seed, given, checks.texts("metrics", metrics)
+        plan = Plan(kind, setup, varied, worlds, *about)
+        how = Workers(jobs, scheduler), progress, resume, partial(begin, words)
+        return _played(plan, target, players, *how)
 
 
 def board(
@@ -197,7 +220,7 @@ def board(
     jobs: int = 1,
     metrics: Sequence[str] = (),
     resume: Resume = "same",
-    workers: Workers | None = None,
+    scheduler: str = "",
     progress: bool | Callable[[int, int], None] | None = None,
     begin: Callable[[str, Plan], None] = lambda words, plan: None,
 ) -> Study:
@@ -211,7 +234,7 @@ def board(
     folder : study folder; what it holds of the same study is resumed
     maps : further tasks, the rules of comb-port on these maps
     overrides : KEY=VALUE of every scenario
-    episodes, seed, jobs, metrics, resume, workers, progress, begin : as of `study`
+    episodes, seed, jobs, metrics, resume, scheduler, progress, begin : as of `study`
 
     Raises
     ------
@@ -226,20 +249,21 @@ def board(
     >>> found.variants
     ('open-bay',)
     """
-    check_whole(episodes=episodes, seed=seed, jobs=jobs)
-    check_kinds(folder, resume, progress)
+    checks.check_play(episodes, seed, jobs, scheduler, resume, progress)
+    target, metrics = checks.path("folder", folder), checks.texts("metrics", metrics)
     players = Players.of(policies)
-    found = benchmark_tasks(tasks, maps, overrides)
+    given = {"tasks": tasks, "maps": maps, "overrides": overrides}
+    found = benchmark_tasks(*(checks.texts(name, value) for name, value in given.items()))
     with players.known() as names:
         plan = board_plan(found, names, episodes=episodes, seed=seed, metrics=metrics)
         count = len({one for each in plan.variants for one in each.policies})
         words = partial(begin, f"board of {count} policies")
-        return _played(plan, folder, players, workers or Workers(jobs), progress, resume, words)
+        return _played(plan, target, players, Workers(jobs, scheduler), progress, resume, words)
 
 
 def _played(
     plan: Plan,
-    folder: Named,
+    folder: Path,
     players: Players,
     workers: Workers,
     progress: bool | Callable[[int, int], None] | None,
@@ -249,5 +273,5 @@ def _played(
     name = "board" if plan.kind == "board" else "study"
     with call(name) as warnings, bar(f"study {plan.kind}", "episodes", progress) as shown:
         how: dict[str, Any] = {"progress": shown, "resume": resume}
-        run_study(plan, Path(folder), workers=workers, begin=lambda: begin(plan), **how)
-    return Study(Path(folder), players, warnings)
+        run_study(plan, folder, workers=workers, begin=lambda: begin(plan), **how)
+    return Study(folder, players, warnings)

@@ -6,9 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from mjforage.api import checks
 from mjforage.api.calls import call
-from mjforage.api.evaluating import check_kinds, check_whole
-from mjforage.api.scenarios import Named, scenario_of
+from mjforage.api.checks import Named
+from mjforage.api.scenarios import scenario_of
 from mjforage.base.atomic_files import write_errors
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
@@ -77,8 +78,13 @@ def train(
     from mjforage.learning.training.hyperparameters import changed
     from mjforage.learning.training.run import train_with
 
-    check_whole(seed=seed)
-    check_kinds(folder, resume)
+    target = checks.path("folder", folder)
+    checks.whole("seed", seed, 0, 2**64 - 1)
+    checks.check_resume(resume)
+    if updates is not None:
+        checks.whole("updates", updates, 1)
+    if hours is not None:
+        checks.real("hours", hours, above=0.0)
     made = find_algorithm(algorithm)
     given = dict(settings or {})
     if given.get("teacher") and not hasattr(made.settings, "teacher"):
@@ -86,7 +92,6 @@ def train(
             f"teacher {given['teacher']}: {algorithm} takes none; leave it out, or give its "
             "settings the fields teacher and teacher_updates"
         )
-    target = Path(folder)
     with call("train"):
         train_with(
             made,

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.api import checks
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, uniforms
 from mjforage.base.references import nearest
 from mjforage.base.views import read_only
-from mjforage.graph_planner.encodings import LegalMoves
 from mjforage.graph_planner.graph.navigation import COMPASS, STAY
 from mjforage.mission.task import NEVER, Observation, Task
 
@@ -36,8 +36,11 @@ class View:
     ('nearest',)
     """
 
-    def __init__(self, task: Task, observation: Observation, row: int) -> None:
-        self._task, self._seen, self._row = task, observation, row
+    def __init__(
+        self, task: Task, observation: Observation, row: int, legal: NDArray[np.bool_]
+    ) -> None:
+        """View of a row of a batch, with its legal moves (agent, 9)."""
+        self._task, self._seen, self._row, self._legal = task, observation, row, legal
 
     @cached_property
     def agents(self) -> tuple[str, ...]:
@@ -180,14 +183,6 @@ class View:
         seed = (words.ravel() * 2.0**32).astype(np.uint64).tolist()
         return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed)))
 
-    @cached_property
-    def _legal(self) -> NDArray[np.bool_]:
-        """(agent, 9) legal moves."""
-        row = slice(self._row, self._row + 1)
-        nodes, energy = self._seen.agent_node[row], self._seen.energy_left[row]
-        found: NDArray[np.bool_] = LegalMoves(self._task)(nodes, energy)[0].astype(np.bool_)
-        return found
-
     def _end(self, index: int, move: int) -> int:
         at = int(self._seen.agent_node[self._row, index])
         arrays = self._task.arrays
@@ -204,13 +199,14 @@ class View:
 
     def _node(self, where: Where) -> int:
         graph = self._task.graph
-        if isinstance(where, tuple):
+        if isinstance(where, tuple) and len(where) == 2:
             rows, columns = graph.shape
-            row, column = (int(part) for part in where)
+            row, column = (checks.whole("row and column", part) for part in where)
             inside = 0 <= row < rows and 0 <= column < columns
             node = int(graph.node_of_cell[row, column]) if inside else -1
         else:
-            node = int(where) if 0 <= int(where) < len(graph) else -1
+            number = checks.whole("node", where)
+            node = number if 0 <= number < len(graph) else -1
         if node < 0:
             raise UserError(
                 f"node {where}: is no water of this map; give 0 to {len(graph) - 1}, or the "

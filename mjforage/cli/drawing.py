@@ -1,11 +1,11 @@
 """`mjforage render` and `mjforage view`: films, pictures and a window on episodes."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from mjforage.cli.console import OUT, app, output
-from mjforage.cli.flags import NOBODY, Trusted, trust_policies
-from mjforage.cli.progress import bar, working
+from mjforage.cli.flags import NOBODY, Trusted
+from mjforage.cli.progress import bar
 
 Point = Literal["overview", "chase", "top", "scout"]
 
@@ -72,28 +72,14 @@ def render(
     height
         Height of a frame [pixel]; default 9/16 of the width.
     """
-    from mjforage.runs.replaying import recording_of_run
-    from mjforage.view.render import render_recording
+    from mjforage.api.evaluating import load_run
 
-    trust_policies(policy, beside)
-    with working("render, playing the episode again"):
-        recording = recording_of_run(folder, world, policy, episode)
-        other = None if beside is None else recording_of_run(folder, world, beside, episode)
+    view: dict[str, Any] = {"camera": camera, "follow": follow, "seen_by": seen_by}
+    view |= {"size": (width, height), "start_s": start, "duration_s": duration}
+    view |= {"world": world, "episode": episode, "beside": beside, "fps": fps, "speed": speed}
+    named = [one for one in (policy, beside) if one is not None]
     with bar("render", "frames") as progress:
-        render_recording(
-            recording,
-            output_file,
-            beside=other,
-            camera=camera,
-            follow=follow,
-            seen_by=seen_by,
-            size=(width, height),
-            start_s=start,
-            duration_s=duration,
-            fps=fps,
-            speed=speed,
-            progress=progress,
-        )
+        load_run(folder, policies=named).film(output_file, policy, progress=progress, **view)
     kind = "picture" if output_file.suffix.lower() == ".png" else "film"
     output.print(f"{kind}: {output_file}", soft_wrap=True)
 
@@ -124,9 +110,9 @@ def view(
     speed
         Simulated seconds per second of playing back.
     """
-    from mjforage.runs.replaying import recording_of_run
+    from mjforage.api.evaluating import load_run
     from mjforage.view.render.viewer import check_display, view_recording
 
     check_display()
-    trust_policies(policy)
-    view_recording(recording_of_run(folder, world, policy, episode), speed)
+    run = load_run(folder, policies=() if policy is None else policy)
+    view_recording(run.recording(policy, world=world, episode=episode), speed)

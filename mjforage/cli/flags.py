@@ -1,7 +1,7 @@
 """The flags that several commands have in common."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -9,7 +9,6 @@ from mjforage.base.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.runs.resuming import Resume
-    from mjforage.runs.workers import Workers
 
 Water = Literal["light", "dark"]  # as `map.water` of a scenario
 Words = Annotated[tuple[str, ...], Parameter(negative="")]
@@ -68,14 +67,11 @@ class Computing:
     jobs: int = 1
     scheduler: str | None = None
 
-    @property
-    def workers(self) -> "Workers":
+    def asked(self) -> dict[str, Any]:
         """The same for the library."""
-        from mjforage.runs.workers import Workers
-
         if self.scheduler == "":  # of an unset variable of a shell, perhaps: not to compute here
             raise UserError("scheduler: the address is empty; give one such as tcp://host:8786")
-        return Workers(self.jobs, self.scheduler or "")
+        return {"jobs": self.jobs, "scheduler": self.scheduler or ""}
 
 
 @dataclass(frozen=True)
@@ -128,10 +124,3 @@ THIS_PROCESS, SAME_ONLY, NOBODY = Computing(), Resuming(), Trusting()
 By = Annotated[Computing, Parameter(name="*")]
 GoingOn = Annotated[Resuming, Parameter(name="*")]
 Trusted = Annotated[Trusting, Parameter(name="*")]
-
-
-def trust_policies(*policies: str | None) -> None:
-    """Take the policies of a command line as the user's word for their code."""
-    from mjforage.base.registry import trust
-
-    trust(*(name for one in policies if one and ":" in (name := one.partition("(")[0].strip())))

@@ -153,7 +153,7 @@ def _play(
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
     how: dict[str, Any] = {"episodes": episodes, "seed": choice.seed, "metrics": choice.metric}
-    how |= {"record": recorded, "workers": by.workers, "resume": again.resume}
+    how |= {"record": recorded, "resume": again.resume, **by.asked()}
     with bar(words, "episodes") as progress:
         run = play(setup, policies, folder=folder, world=worlds, progress=progress, **how)
     if not run.complete:
@@ -201,12 +201,12 @@ def report(
     page
         Write a board (`mjforage study board`) as one Markdown page here too, its figures beside it.
     """
+    from mjforage.api.evaluating import load_run
+    from mjforage.api.studies import Study
     from mjforage.base.errors import UserError
-    from mjforage.view.report import Exports, write_pair, write_report
-    from mjforage.view.report.studies import is_study, write_study_report
-    from mjforage.view.report.studies.board_page import write_board_page
+    from mjforage.view.report.studies import is_study
 
-    wanted = Exports.of(tables, figures)
+    formats: dict[str, Any] = {"tables": _listed(tables), "figures": _listed(figures)}
     if len(others) > 1:
         raise UserError(f"report of {1 + len(others)} folders: name one, or two runs to compare")
     if out is not None and not others:
@@ -224,11 +224,17 @@ def report(
             raise UserError(f"{one}: holds a study; name two runs, such as those in its variants/")
     with working("drawing the report"):
         if others:
-            path = write_pair(folder, others[0], out)
+            path = load_run(folder).report_beside(load_run(others[0]), out)
         elif is_study(folder):
+            study = Study(folder)
             if page is not None:
-                write_board_page(folder, page)
-            path = write_study_report(folder, wanted)
+                study.board_page(page)
+            path = study.report(**formats)
         else:
-            path = write_report(folder, wanted, policy)
+            path = load_run(folder).report(policies=policy, **formats)
     output.print(f"report: {path}", soft_wrap=True)
+
+
+def _listed(text: str) -> list[str]:
+    """Words of a text with commas between them."""
+    return [word.strip() for word in text.split(",")] if text.strip() else []

@@ -207,10 +207,10 @@ def board(
     from mjforage.api.studies import board as play
     from mjforage.base.references import with_options
 
-    workers = by.workers
+    asked = by.asked()
     players, overrides = with_options("policy", policy, set)
     what: dict[str, Any] = {"maps": map, "overrides": overrides, "metrics": metric}
-    what |= {"episodes": episodes, "seed": seed, "folder": out, "workers": workers}
+    what |= {"episodes": episodes, "seed": seed, "folder": out, **asked}
     _finish(lambda **how: play(courses, players, **what, **how), "board", again)
 
 
@@ -229,11 +229,11 @@ def _play(
     from mjforage.mission.setup import Setup
     from mjforage.scenario.scenario_file import load_scenario
 
-    workers = by.workers
+    asked = by.asked()
     players, overrides = with_options("policy", policies, choice.set)
     setup = Setup.of(load_scenario(scenario, overrides, choice.map, choice.water))
     what: dict[str, Any] = {"world": choice.world, "metrics": choice.metric, "options": options}
-    what |= {"episodes": choice.episodes, "seed": choice.seed, "workers": workers}
+    what |= {"episodes": choice.episodes, "seed": choice.seed, **asked}
     what["folder"] = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
     _finish(lambda **how: play(kind, setup, players, **what, **how), kind, again)
 

@@ -20,6 +20,8 @@ from mjforage.graph_planner.graph.geodesics import DIAGONAL, Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.scenario.roles import Fleet
 
+CHOSEN, OTHERWISE_STAY = 2.0, 1.0  # preferences of a chosen move, and of what happens if illegal
+
 
 @dataclass(frozen=True)
 class MoveRules:
@@ -33,6 +35,17 @@ class MoveRules:
 
     stay: bool
     shorten: bool
+
+
+@kernel
+def preferences_of(moves: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(episode, agent, 9) preferences for moves 0-8 (episode, agent), else for staying put."""
+    preferences = np.zeros((*moves.shape, 9))
+    for e in range(moves.shape[0]):
+        for a in range(moves.shape[1]):
+            preferences[e, a, STAY] = OTHERWISE_STAY
+            preferences[e, a, moves[e, a]] = CHOSEN
+    return preferences
 
 
 class Corruption(NamedTuple):

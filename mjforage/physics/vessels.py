@@ -190,7 +190,7 @@ NO_LOAD = Load(0.0, 0.0)
 IDEAL_POWER = Power(0.2, 1.0, 0.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Vessel:
     """One parameter set.
 
@@ -250,6 +250,10 @@ class Vessel:
     load: Load = NO_LOAD
     power: Power = IDEAL_POWER
     control: Control | None = None
+
+    def __repr__(self) -> str:
+        size = f"{self.length_m:g} x {self.beam_m:g} m, {self.mass_kg:g} kg"
+        return f"Vessel({self.name}, {size})"
 
 
 def load_vessel(name_or_path: str | Path) -> Vessel:

@@ -109,6 +109,19 @@ class RunFolder:
         names = ("run.json", "summary.json", *(f"{table}.parquet" for table in TABLES))
         return all((self.path / name).is_file() for name in names)
 
+    def finished(self, name: str) -> pl.DataFrame | None:
+        """A table's rows of all finished chunks; None if there are none.
+
+        Raises
+        ------
+        UserError
+            If a file is truncated or foreign.
+        """
+        if self.complete:
+            return self.table(name)
+        files = sorted(self._chunks.glob(f"[!.]*/{name}.parquet"))
+        return pl.concat(read_table(file, name) for file in files) if files else None
+
     def has(self, chunk: Chunk) -> bool:
         """True if a chunk is finished.
 

@@ -10,14 +10,12 @@ from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.encodings import LegalMoves, create_encoder
 from mjforage.graph_planner.graph.geodesics import Int32Array
-from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.checks import checked_seed, checked_started
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import RewardTerms
 from mjforage.mission.mission import Mission
+from mjforage.mission.moves import preferences_of
 from mjforage.physics.worlds import create_mission
-
-CHOSEN, OTHERWISE_STAY = 2.0, 1.0  # preferences of a chosen move, and of what happens if illegal
 
 
 @dataclass(frozen=True)
@@ -43,17 +41,6 @@ def _share_happened(when: NDArray[np.int16], items: Int32Array) -> NDArray[np.fl
             count += when[e, k] >= 0
         shares[e] = 100.0 * count / items[e]
     return shares
-
-
-@kernel
-def _preferences(actions: NDArray[np.int64]) -> NDArray[np.float64]:
-    """(env, agent, 9) of moves (env, agent)."""
-    preferences = np.zeros((*actions.shape, 9))
-    for e in range(actions.shape[0]):
-        for a in range(actions.shape[1]):
-            preferences[e, a, STAY] = OTHERWISE_STAY
-            preferences[e, a, actions[e, a]] = CHOSEN
-    return preferences
 
 
 @kernel
@@ -133,7 +120,7 @@ class EnvironmentCore:
             becomes staying put where that is legal, else the first legal compass move
         """
         checked_started(self.started, "step")
-        return self.play(_preferences(actions), actions)
+        return self.play(preferences_of(actions), actions)
 
     def play(
         self, preferences: NDArray[np.float64], wanted: NDArray[np.int64] | None = None

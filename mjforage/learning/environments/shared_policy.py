@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.encodings.masks import legal_of_agent
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.checks import checked_moves, checked_options, checked_started
-from mjforage.learning.environments.core import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
 from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space, shown
+from mjforage.mission.moves import preferences_of
 
 
 class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Arrays, np.int64]):
@@ -92,10 +92,8 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Arrays, np.int64]):
     def _choose(self, action: int) -> None:
         """Take note of a decision and of the node that it claims."""
         self._actions[self._turn] = action
-        preferences = np.zeros((1, self._core.agents, 9))
-        preferences[..., STAY] = OTHERWISE_STAY
-        np.put_along_axis(preferences[0], self._actions[:, None], CHOSEN, axis=-1)
-        target = self._core.mission.decide(preferences).target[0, self._turn]
+        wanted = preferences_of(self._actions[None])
+        target = self._core.mission.decide(wanted).target[0, self._turn]
         self._claimed[target] = self._round
 
     def _info(self) -> dict[str, Any]:

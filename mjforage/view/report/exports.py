@@ -37,25 +37,24 @@ class Exports:
     figures: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, tables: str, figures: str) -> "Exports":
-        """Parse a user's list of formats, with commas between them, "" for none.
+    def of(cls, tables: Sequence[str], figures: Sequence[str]) -> "Exports":
+        """Formats that a user names, of tables and of figures.
 
         Raises
         ------
         UserError
             If a format is not one of ours.
         """
-        return cls(_chosen("--tables", tables, FORMATS), _chosen("--figures", figures, FIGURES))
+        return cls(_chosen("tables", tables, FORMATS), _chosen("figures", figures, FIGURES))
 
 
 NOTHING_ELSE = Exports()
 
 
-def _chosen(flag: str, text: str, known: Collection[str]) -> tuple[str, ...]:
-    names = [name.strip() for name in text.split(",")] if text.strip() else []
+def _chosen(what: str, names: Sequence[str], known: Collection[str]) -> tuple[str, ...]:
     for name in names:
         if name not in known:
-            raise UserError(f"{flag} {text}: no format {name!r}; choose from {', '.join(known)}")
+            raise UserError(f"{what}: no format {name!r}; choose from {', '.join(known)}")
     return tuple(dict.fromkeys(names))
 
 

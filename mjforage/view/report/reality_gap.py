@@ -2,13 +2,21 @@
 
 from itertools import pairwise
 
-from mjforage.mission.scoring import describe
+from matplotlib.axes import Axes
+
+from mjforage.mission.scoring import Description, describe
 from mjforage.physics.worlds import added
 from mjforage.scenario.scenario_file import scenario_from_tree
+from mjforage.view.page import style
+from mjforage.view.page.figure import WIDE_IN, ReportFigure, canvas
 from mjforage.view.page.table import Table
 from mjforage.view.report.contrasts import Contrast, differences_table, every_metric_table
+from mjforage.view.report.curves import axis_label
 from mjforage.view.report.run_logs import Case, RunLogs
 from mjforage.view.report.text_tables import HEADLINE, undefined_note
+
+COLUMNS = 4  # panels beside one another
+ROW_IN, MARGIN_IN = 0.26, 0.7  # height of a policy, and of an axis with its label
 
 
 def gap_tables(logs: RunLogs) -> list[Table]:
@@ -62,3 +70,38 @@ def levels_table(logs: RunLogs) -> Table:
         "mean difference and bootstrap 95 % interval of itself alone",
         "world",
     )
+
+
+def gap_figures(logs: RunLogs) -> list[ReportFigure]:
+    """Figure of the last world minus the first in the headline metrics; none of one world."""
+    first, last = logs.run.worlds[0], logs.run.worlds[-1]
+    metrics = [describe(key) for key in HEADLINE if logs.defined(key)]
+    if first == last or not metrics:
+        return []
+    contrasts = [_between(logs, policy, last, first) for policy in logs.policies]
+    rows = -(-len(metrics) // COLUMNS)
+    figure = canvas(WIDE_IN, rows * (MARGIN_IN + ROW_IN * (len(contrasts) + 1)))
+    grid = figure.subplots(rows, COLUMNS, sharey=True, squeeze=False)
+    for axes, metric in zip(grid.flat, metrics, strict=False):
+        _draw(axes, contrasts, metric)
+    for axes in grid.flat[len(metrics) :]:
+        axes.set_visible(False)
+    grid[0, 0].set_yticks(range(len(contrasts)), logs.policies)
+    grid[0, 0].set_ylim(len(contrasts) - 0.5, -0.5)
+    caption = (
+        f"Points: {last} minus {first}, mean over the same episodes; lines: bootstrap 95 % "
+        "interval. At 0 a metric is the same in both worlds."
+    )
+    return [ReportFigure("gap", "The reality gap", caption, figure, wide=True)]
+
+
+def _draw(axes: Axes, contrasts: list[Contrast], metric: Description) -> None:
+    """Difference and interval of each contrast, from top to bottom."""
+    axes.axvline(0.0, color=style.MUTED, linewidth=0.8)
+    for place, one in enumerate(contrasts):
+        look, gap = one.case.look, one.gap(metric)
+        axes.plot([gap.low, gap.high], [place, place], color=look.colour, linewidth=2.0)
+        axes.plot([gap.value], [place], color=look.colour, marker=look.marker, markersize=6)
+    axes.set_xlabel(axis_label(metric))
+    axes.tick_params(axis="y", length=0)
+    axes.grid(axis="y", visible=False)

@@ -14,7 +14,7 @@ from mjforage.view.report.distributions import distribution_figures
 from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.map_figures import scenario_figure
 from mjforage.view.report.policy_pairs import comparison_table
-from mjforage.view.report.reality_gap import gap_tables
+from mjforage.view.report.reality_gap import gap_figures, gap_tables
 from mjforage.view.report.run_logs import RunLogs, pick_replay
 from mjforage.view.report.sections import Page, Section
 from mjforage.view.report.shown import left_out
@@ -109,7 +109,7 @@ def metric_tables(logs: RunLogs) -> list[Table]:
 
 
 def draw_figures(logs: RunLogs) -> list[ReportFigure]:
-    """Draw every figure, in the order of the report: scenario, tracks, curves, distributions.
+    """Draw every figure: scenario, tracks, reality gap, curves, distributions.
 
     The scenario is drawn from a replay: a run that keeps none goes without.
     """
@@ -118,6 +118,7 @@ def draw_figures(logs: RunLogs) -> list[ReportFigure]:
         return [
             *([scenario_figure(logs, replay)] if replay else []),
             tracks_figure(logs),
+            *gap_figures(logs),
             *time_figures(logs),
             *distribution_figures(logs),
         ]
@@ -145,13 +146,16 @@ def report_page(logs: RunLogs, shown: RunLogs, pictures: Sequence[ReportFigure])
     run = logs.run
     headline = headline_table(shown if len(logs.cases) > CASES else logs)
     notes = " ".join(filter(None, (left_out(logs, shown), too_few(run.episodes))))
-    wide, narrow = ([one for one in pictures if one.wide is w] for w in (True, False))
+    gap = [one for one in pictures if one.name == "gap"]
+    wide, narrow = (
+        [one for one in pictures if one.wide is w and one not in gap] for w in (True, False)
+    )
     sections = [
         Section("result", "Result in brief", notes, [headline]),
         Section("run", "What was run", facts=run_facts(logs), texts={"Command": run.command}),
         Section("scene", "Scenario and tracks", pictures=wide),
         Section("figures", "Figures", curve_words(run), pictures=narrow),
-        Section("gap", "The reality gap", folded=gap_tables(shown)),
+        Section("gap", "The reality gap", pictures=gap, folded=gap_tables(shown)),
         Section("hulls", "Performance of the hulls", folded=[hulls_table({"": shown})]),
         Section("tables", "The paper's tables", tables=[paper_table(shown)]),
         Section("all", "All metrics", folded=[full_table(shown)]),

@@ -63,7 +63,7 @@ def test_the_physics_world_moves_hulls(bay: mf.Scenario) -> None:
         (lambda m: (m.reset(), m.step([0, 1])), r"moves of shape \(2,\): give \(4,\)"),
         (lambda m: (m.reset(), m.step([0, 1, 9, 2])), "step: gave 9 for foragers_0"),
         (lambda m: m.reset(seed=-1), "seed -1: give 0 to"),
-        (lambda m: m.reset(episode=-1), "episode -1: give 1 whole number"),
+        (lambda m: m.reset(episode=-1), "episode -1: give 0 to"),
         (lambda m: m.reset(episode=[1, 2]), r"episode \[1, 2\]: give 1 whole number"),
     ],
 )

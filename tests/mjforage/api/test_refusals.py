@@ -1,5 +1,6 @@
 """Wrong types, wrong names and impossible values: one line each, never an end of the process."""
 
+import pickle
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -39,6 +40,15 @@ def gives(answer: object) -> Callable[[mf.View], Any]:
 def fails(view: mf.View) -> dict[str, str]:
     """A function with a fault."""
     return {"scouts_0": [][0]}
+
+
+async def slow(view: mf.View) -> None:
+    """A function that returns no moves but a coroutine."""
+
+
+def toward(place: Any) -> Callable[[mf.View], Any]:
+    """A function that goes to a place."""
+    return lambda view: {"scouts_0": view.toward("scouts_0", place)}
 
 
 SCENARIOS: list[tuple[Any, dict[str, Any], str]] = [
@@ -109,6 +119,12 @@ POLICIES: list[tuple[Any, str]] = [
     ({"it": gives({0: "N"})}, "gave a move for 0, no agent"),
     ({"it": lambda view: view.nowhere}, "raised AttributeError"),
     ({"it": lambda: None}, "raised TypeError"),
+    ({"it": slow}, "policy it: is async; give a plain function"),
+    ({"x" * 300: nearest}, "give it a name of letters and digits"),
+    ({"it": toward(2.7)}, "raised TypeError: node is float; give a whole number"),
+    ({"it": toward((0, 1.5))}, "raised TypeError: row and column is float"),
+    ({"it": toward((0, 1, 2))}, "raised TypeError: node is tuple"),
+    ({"it": toward(-1)}, "policy it: node -1: is no water"),
 ]
 OPTIONS: list[tuple[dict[str, Any], str]] = [
     ({"episodes": 0}, "episodes 0"),
@@ -119,13 +135,13 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
     ({"seed": -1}, "seed -1"),
     ({"seed": 2**64}, "seed"),
     ({"seed": None}, "seed is NoneType; give a whole number"),
-    ({"jobs": 0}, "jobs 0: give at least 1"),
+    ({"jobs": 0}, "jobs 0: give 1 or more"),
     ({"jobs": 1.5}, "jobs is float"),
-    ({"world": "moon"}, "world moon: unknown"),
+    ({"world": "moon"}, "world 'moon': unknown"),
     ({"world": ()}, "world"),
     ({"world": ("graph", "graph")}, "world graph: given twice"),
     ({"world": 3}, "world"),
-    ({"metrics": "pta_c"}, "metric"),
+    ({"metrics": 5}, "metrics is 5"),
     ({"metrics": ["nowhere:Metric"]}, "nowhere"),
     ({"record": ["frist"]}, "frist"),
     ({"record": [99]}, "recorded episode 99: the run has episodes 0 to 0"),
@@ -133,6 +149,13 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
     ({"horizn": 5}, "unknown key horizn"),
     ({"folder": 5}, "folder is int"),
     ({"progress": "yes"}, "progress"),
+    ({"episodes": 2**63}, "episodes 9223372036854775808: give 1 to"),
+    ({"record": [float("nan")]}, "record is float; give a whole number"),
+    ({"record": None}, "record is NoneType; give a list"),
+    ({"record": 1}, "record is int; give a list"),
+    ({"metrics": None}, "metrics is None; give a list of names"),
+    ({"scheduler": 5}, "scheduler is int"),
+    ({"scheduler": "nowhere"}, "scheduler nowhere"),
 ]
 CALLS: list[tuple[Callable[[mf.Scenario], Any], str]] = [
     (lambda bay: mf.load_run("nowhere"), "nowhere/run.json: file is missing"),
@@ -157,6 +180,57 @@ CALLS: list[tuple[Callable[[mf.Scenario], Any], str]] = [
     (lambda bay: mf.load_vessel("oter"), "did you mean otter"),
     (lambda bay: mf.parallel_env(scenario="comb-prot"), "did you mean comb-port"),
     (lambda bay: mf.parallel_env(senario="comb-port"), "scenario"),
+    (lambda bay: mf.load_run(None), "folder is NoneType; give a path"),  # type: ignore[arg-type]
+    (lambda bay: mf.make_mission(bay, world=["graph"]), "world"),  # type: ignore[arg-type]
+    (lambda bay: mf.make_mission(bay, batch="2"), "batch is str"),  # type: ignore[arg-type]
+    (lambda bay: mf.make_mission(bay).reset(seed=1.5), "seed is float"),  # type: ignore[arg-type]
+    (lambda bay: mf.make_mission(bay).reset(seed=None), "seed is"),  # type: ignore[arg-type]
+    (lambda bay: mf.make_mission(bay).reset(episode="0"), "episode"),  # type: ignore[arg-type]
+    (lambda bay: mf.make_mission(bay).play("greedy"), "no episode has been started"),
+    (lambda bay: mf.Map(np.ones((3, 3)), starts=((1, 2, 3),)), "starts"),  # type: ignore[arg-type]
+    (lambda bay: mf.Map(np.ones((3, 3)), starts="ab"), "starts"),  # type: ignore[arg-type]
+    (lambda bay: mf.Map(np.ones((3, 3)), starts=((1.5, 1),)), "start is"),  # type: ignore[arg-type]
+    (lambda bay: mf.Map(np.ones((3, 3)), pitch_m=True), "pitch_m is bool"),
+    (lambda bay: mf.Map(np.ones((3, 3)), water_is="dark"), "water_is 'dark': is for files"),
+    (lambda bay: mf.Map("comb-port", water_is="blue"), "blue"),  # type: ignore[arg-type]
+    (lambda bay: mf.train("ddqn", bay, folder="it", updates=0), "updates 0: give 1 or more"),
+    (lambda bay: mf.train("ddqn", bay, folder="it", hours="1"), "hours is str"),  # type: ignore[arg-type]
+    (lambda bay: mf.train("ddqn", bay, folder=None), "folder is"),  # type: ignore[arg-type]
+    (lambda bay: mf.board("open-bay", folder=5), "folder is int"),  # type: ignore[arg-type]
+    (lambda bay: mf.study("relay", folder="it"), "study 'relay': unknown"),
+    (lambda bay: mf.Study("nowhere"), "nowhere/study.json"),
+    (lambda bay: setattr(bay, "episodes", 3), "cannot assign to field"),
+    (lambda bay: setattr(bay.map, "colour", 3), "colour"),
+]
+RUNS: list[tuple[Callable[[mf.Run], Any], str]] = [
+    (lambda run: run.frame(size=3), "size is 3; give"),  # type: ignore[arg-type]
+    (lambda run: run.frame(size=(0, 9)), "size 0: give 1 or more"),
+    (lambda run: run.frame(episode=0.5), "episode is float"),  # type: ignore[arg-type]
+    (lambda run: run.frame(episode=7), "episode 7: give 0 to 0"),
+    (lambda run: run.frame(time_s="1"), "time_s is str"),  # type: ignore[arg-type]
+    (lambda run: run.frame("greedi"), "policy greedi: unknown"),
+    (lambda run: run.frame(5), "policy is int"),  # type: ignore[arg-type]
+    (lambda run: run.frame(world="moon"), "world moon"),
+    (lambda run: run.frame(camera="moon"), "camera moon: unknown"),  # type: ignore[arg-type]
+    (lambda run: run.frame(seen_by="nobody"), "nobody"),
+    (lambda run: run.film("film.txt"), "film.txt"),
+    (lambda run: run.film(5), "path is int"),  # type: ignore[arg-type]
+    (lambda run: run.film("film.mp4", fps="fast"), "fps is str"),  # type: ignore[arg-type]
+    (lambda run: run.film("film.mp4", duration_s=float("inf")), "duration_s = inf"),
+    (lambda run: run.plot("pictures"), "figure 'pictures': unknown"),
+    (lambda run: run.plot("gap"), "figure 'gap': unknown"),
+    (lambda run: run.report(), "the run has no folder; give a path"),
+    (lambda run: run.report("page.html", tables="latx"), "no format 'latx'"),
+    (lambda run: run.report("page.html", policies="greedi"), "greedi: is not in this run"),
+    (lambda run: run.report_beside(run, "page"), "name two"),
+    (lambda run: run.report_beside("run"), "other is str; give a Run"),  # type: ignore[arg-type]
+    (lambda run: run.save(None), "folder is NoneType"),  # type: ignore[arg-type]
+    (lambda run: run.differences(), "give two policies"),
+    (lambda run: run.differences("greedy", "levy"), "policy 'levy': unknown"),
+    (lambda run: run.differences(world="moon"), "world 'moon': unknown"),
+    (lambda run: run.differences(world=("graph", "graph", "graph")), "give one, or two"),  # type: ignore[arg-type]
+    (lambda run: run.differences("greedy", "greedy", metrics="pta"), "metric 'pta': unknown"),
+    (lambda run: pickle.dumps(run), "a Run is not pickled; give its folder"),
 ]
 
 
@@ -166,7 +240,8 @@ def test_there_are_a_hundred() -> None:
 
 def refused(call: Callable[[], Any], words: str) -> None:
     """A call is refused in one line without flags, by an exception of the family."""
-    with pytest.raises((mf.UserError, TypeError), match=words) as caught:
+    family = (mf.UserError, TypeError, AttributeError)
+    with pytest.raises(family, match=words) as caught:
         call()
     assert not re.search(r"\n|(?<!\()--[a-z]", str(caught.value))
 
@@ -194,3 +269,13 @@ def test_options(bay: mf.Scenario, options: dict[str, Any], words: str) -> None:
 @pytest.mark.parametrize(("call", "words"), CALLS)
 def test_calls(bay: mf.Scenario, call: Callable[[mf.Scenario], Any], words: str) -> None:
     refused(lambda: call(bay), words)
+
+
+@pytest.fixture(scope="module")
+def run(bay: mf.Scenario) -> mf.Run:
+    return mf.evaluate(bay, "greedy", **ONE)
+
+
+@pytest.mark.parametrize(("call", "words"), RUNS)
+def test_runs(run: mf.Run, call: Callable[[mf.Run], Any], words: str) -> None:
+    refused(lambda: call(run), words)

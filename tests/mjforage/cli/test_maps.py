@@ -47,7 +47,9 @@ def test_the_remedy_for_a_disconnected_map_works(
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    monkeypatch.setattr(
+        "mjforage.view.report.write_report", lambda folder, *_: folder / "report.html"
+    )
     Path("port.csv").write_text("1,1,1,0,1\n1,1,1,0,1\n")
     arguments = (
         *("evaluate", "channels", "--policy", "greedy", "--map", "port.csv", "--episodes", 1),
@@ -82,7 +84,9 @@ def test_a_generated_harbour_is_a_map_like_any(
     command: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Starts of the scenario's own map do not hold there: they are drawn."""
-    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    monkeypatch.setattr(
+        "mjforage.view.report.write_report", lambda folder, *_: folder / "report.html"
+    )
     outcome = command(
         *("evaluate", "comb-port", "--policy", "greedy", "--episodes", 1, "--out", "run"),
         *("--map", "harbour:bays:3:30x40", "--set", "horizon=3"),
@@ -101,7 +105,9 @@ def test_an_image_with_dark_water_is_drawn_and_played(
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    monkeypatch.setattr(
+        "mjforage.view.report.write_report", lambda folder, *_: folder / "report.html"
+    )
     chart = Image.new("L", (6, 5), 255)
     chart.paste(0, (1, 1, 5, 4))
     chart.save("chart.png")

@@ -92,7 +92,9 @@ def test_a_report_that_cannot_be_written_is_one_line(refused: Refused, folder: P
 def test_a_spoilt_table_moved_away_is_made_again(
     command: Callable[..., Any], folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    monkeypatch.setattr(
+        "mjforage.view.report.write_report", lambda folder, *_: folder / "report.html"
+    )
     path = folder / "steps.parquet"
     whole, summary = path.read_bytes(), (folder / "summary.json").read_bytes()
     path.unlink()
@@ -104,7 +106,9 @@ def test_a_spoilt_table_moved_away_is_made_again(
 def test_the_default_folder_has_the_name_of_the_scenario(
     command: Callable[..., Any], here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    monkeypatch.setattr(
+        "mjforage.view.report.write_report", lambda folder, *_: folder / "report.html"
+    )
     assert command(*EVALUATE, "--set", "name=[bold]x").code == 0
     assert (here / "runs" / "[bold]x" / "summary.json").is_file()
 
@@ -115,7 +119,7 @@ def test_an_error_of_the_system_is_one_line(
     def fail(*_: object) -> None:
         raise OSError(28, "No space left on device", "cache.nbi")
 
-    monkeypatch.setattr("mjforage.view.report.write_report", fail)
+    monkeypatch.setattr("mjforage.api.pictures.load_run", fail)
     assert "cache.nbi: No space left on device; free some space" in refused("report", ".")
 
 
@@ -125,6 +129,6 @@ def test_a_fault_of_ours_is_not_hidden(
     def fail(*_: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("mjforage.view.report.write_report", fail)
+    monkeypatch.setattr("mjforage.api.pictures.load_run", fail)
     with pytest.raises(ZeroDivisionError):
         command("report", ".")

@@ -60,7 +60,7 @@ class Seer(North):
 '''
 NO_REPORT = """
 import mjforage.view.report
-mjforage.view.report.write_report = lambda folder: folder / "report.html"
+mjforage.view.report.write_report = lambda folder, *_: folder / "report.html"
 """
 """Its seconds prove nothing here; tests of the report draw it."""
 Start = Callable[..., "subprocess.Popen[str]"]

@@ -46,7 +46,7 @@ evaluate.carried_out, RunFolder.merge = tell_missing, tell_finished
 """
 NO_REPORT = """
 import mjforage.view.report
-mjforage.view.report.write_report = lambda folder: folder / "report.html"
+mjforage.view.report.write_report = lambda folder, *_: folder / "report.html"
 """
 """Its seconds in every process prove nothing here; tests of the report draw it."""
 LIMIT = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({0}, {0}))"

@@ -20,7 +20,6 @@ from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.networks.inference import one_thread
 from mjforage.graph_planner.networks.q_network import MoveNetwork
 from mjforage.graph_planner.networks.weights import ACTOR
-from mjforage.learning.environments.core import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.training.algorithm import Algorithm, teacher_label
 from mjforage.learning.training.files import count_of, restore_moments
 from mjforage.learning.training.mappo.critic import Critic
@@ -28,6 +27,7 @@ from mjforage.learning.training.mappo.critic_features import critic_features
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.rollout import Rollout
 from mjforage.learning.training.progress import Row
+from mjforage.mission.moves import CHOSEN, OTHERWISE_STAY
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.sizes import check_memory
 

@@ -6,12 +6,10 @@ from hypothesis import strategies as st
 
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.core import (
-    CHOSEN,
-    OTHERWISE_STAY,
     _how_it_ended,
-    _preferences,
     _share_happened,
 )
+from mjforage.mission.moves import CHOSEN, OTHERWISE_STAY, preferences_of
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -27,7 +25,7 @@ def test_a_chosen_move_is_preferred_and_staying_comes_next(seed: int) -> None:
     expected = np.zeros((3, 4, 9))
     expected[..., STAY] = OTHERWISE_STAY
     np.put_along_axis(expected, actions[..., None], CHOSEN, axis=-1)
-    np.testing.assert_array_equal(_preferences(actions), expected)
+    np.testing.assert_array_equal(preferences_of(actions), expected)
 
 
 @given(seeds)

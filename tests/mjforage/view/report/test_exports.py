@@ -24,7 +24,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, bytes]]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("mjforage.view.report.draw_figures", a_map_and_curves)
         for _ in range(2):
-            write_report(folder, Exports.of("latex, csv,markdown", "pdf,png,svg"))
+            write_report(folder, Exports.of(("latex", "csv", "markdown"), ("pdf", "png", "svg")))
             files = [*(folder / "tables").iterdir(), *(folder / "figures").iterdir()]
             found.append({path.name: path.read_bytes() for path in files})
     return found
@@ -52,11 +52,13 @@ def test_the_same_logs_give_the_same_files(written: list[dict[str, bytes]]) -> N
 @pytest.mark.parametrize(
     ("tables", "figures", "message"),
     [
-        ("latx", "", "--tables latx: no format 'latx'; choose from latex, csv, markdown"),
-        ("csv,", "", "--tables csv,: no format ''; choose from latex, csv, markdown"),
-        ("", "pdf,jpg", "--figures pdf,jpg: no format 'jpg'; choose from pdf, png, svg"),
+        (["latx"], [], "tables: no format 'latx'; choose from latex, csv, markdown"),
+        (["csv", ""], [], "tables: no format ''; choose from latex, csv, markdown"),
+        ([], ["pdf", "jpg"], "figures: no format 'jpg'; choose from pdf, png, svg"),
     ],
 )
-def test_a_format_that_is_none_is_one_clear_error(tables: str, figures: str, message: str) -> None:
+def test_a_format_that_is_none_is_one_clear_error(
+    tables: list[str], figures: list[str], message: str
+) -> None:
     with pytest.raises(UserError, match=f"^{re.escape(message)}$"):
         Exports.of(tables, figures)

@@ -1,0 +1,106 @@
+"""Arguments of a caller, checked: of another type or out of range, each is refused in a line."""
+
+import os
+import reprlib
+from collections.abc import Collection, Sequence
+from math import inf
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
+from mjforage.physics.worlds import WORLDS
+from mjforage.runs.resuming import Resume
+
+Named = str | os.PathLike[str]
+
+
+def whole(name: str, value: object, least: float = -inf, most: float = inf) -> int:
+    """A whole number, of Python or numpy.
+
+    Raises
+    ------
+    TypeError
+        If it is none.
+    UserError
+        If it is below `least` or above `most`.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise TypeError(f"{name} is {type(value).__name__}; give a whole number")
+    if not least <= value <= most:
+        upper = "or more" if most == inf else f"to {most}"
+        raise UserError(f"{name} {value}: give {least} {upper}")
+    return int(value)
+
+
+def real(name: str, value: object, above: float = -inf) -> float:
+    """A finite number; raises as `whole`, `above` itself being too low."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        raise TypeError(f"{name} is {type(value).__name__}; give a number")
+    if not above < float(value) < inf:
+        low = f" above {above:g}" if above > -inf else ""
+        raise UserError(f"{name} = {value!r}: give a finite number{low}")
+    return float(value)
+
+
+def text(name: str, value: object) -> str:
+    """A text; raises `TypeError` for anything else."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is {type(value).__name__}; give a name")
+    return value
+
+
+def texts(name: str, value: object) -> tuple[str, ...]:
+    """Texts of a list, or one text; raises `TypeError` for anything else."""
+    several = [value] if isinstance(value, str) else value
+    if not isinstance(several, Sequence) or not all(isinstance(one, str) for one in several):
+        raise TypeError(f"{name} is {reprlib.repr(value)}; give a list of names")
+    return tuple(several)
+
+
+def one_of(name: str, value: object, known: Collection[str]) -> str:
+    """One of the known names; raises `UserError` for another."""
+    if not isinstance(value, str) or value not in known:
+        raise UserError(f"{name} {value!r}: unknown; {nearest(str(value), known)}")
+    return value
+
+
+def path(name: str, value: object) -> Path:
+    """A path; raises `TypeError` for anything else."""
+    if not isinstance(value, str | os.PathLike):
+        raise TypeError(f"{name} is {type(value).__name__}; give a path")
+    return Path(value)
+
+
+def check_play(
+    episodes: object,
+    seed: object,
+    jobs: object,
+    scheduler: object,
+    resume: object,
+    progress: object,
+) -> None:
+    """Check the arguments of every call that plays episodes; raises `TypeError` or `UserError`."""
+    whole("episodes", episodes, 1, 2**63 - 1)
+    whole("seed", seed, 0, 2**64 - 1)
+    whole("jobs", jobs, 1)
+    text("scheduler", scheduler)
+    check_resume(resume)
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise TypeError(f"progress is {type(progress).__name__}; give True, False or a function")
+
+
+def check_resume(resume: object) -> None:
+    """Check what is to be done with what a folder holds; raises `UserError`."""
+    if resume not in get_args(Resume):
+        raise UserError(f"resume {resume!r}: choose {', '.join(get_args(Resume))}")
+
+
+def check_worlds(world: object) -> tuple[str, ...]:
+    """Names of worlds, of one or several; raises `UserError` for anything else."""
+    several = (world,) if isinstance(world, str) else world
+    if not isinstance(several, Sequence) or not several:
+        raise UserError(f"world {world!r}: give one of {', '.join(WORLDS)}, or several in a list")
+    return tuple(one_of("world", one, WORLDS) for one in several)
