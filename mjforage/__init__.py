@@ -96,14 +96,29 @@ def __dir__() -> list[str]:
     return [*__all__, "__version__"]
 
 
-def parallel_env(scenario: Any = "comb-port", **options: Any) -> "ForagingParallelEnv":
+def parallel_env(
+    scenario: Any = "comb-port",
+    *,
+    world: str = "graph",
+    observation: str = "egocentric",
+    reward: Any = None,
+    map: Any = None,
+    set: Any = (),
+    render_mode: str | None = None,
+    dtype: str = "float32",
+) -> "ForagingParallelEnv":
     """The PettingZoo view of a mission.
 
     Parameters
     ----------
     scenario : of `load_scenario`, a shipped name, or a TOML file
-    options : world, observation, reward, map, set, render_mode; see
-        `mjforage.learning.environments.options.EnvironmentOptions`
+    world : one of `mf.names("worlds")`
+    observation : one of `mf.names("observations")`, or ``package.module:Class``
+    reward : weights by term, see docs/howto/reward.md; None: the default
+    map : another grid: a name, a file, or an array (rows, columns), True for water
+    set : changed keys, such as ``{"horizon": 60}`` or ``["horizon=60"]``
+    render_mode : "rgb_array", or None: no pictures
+    dtype : of the observations: "float32", or "uint8", levels of which 255 is 1
 
     Raises
     ------
@@ -118,7 +133,16 @@ def parallel_env(scenario: Any = "comb-port", **options: Any) -> "ForagingParall
     """
     from mjforage.learning.environments.parallel import ForagingParallelEnv
 
-    return ForagingParallelEnv(scenario=scenario, **options)
+    return ForagingParallelEnv(
+        scenario=scenario,
+        world=world,
+        observation=observation,
+        reward=reward,
+        map=map,
+        set=set,
+        render_mode=render_mode,
+        dtype=dtype,
+    )
 
 
 def _begin() -> None:

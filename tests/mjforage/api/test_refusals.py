@@ -179,7 +179,7 @@ CALLS: list[tuple[Callable[[mf.Scenario], Any], str]] = [
     (lambda bay: mf.board(["open-bay"], overrides=["horizon"], folder="b"), "set horizon: exp"),
     (lambda bay: mf.load_vessel("oter"), "did you mean otter"),
     (lambda bay: mf.parallel_env(scenario="comb-prot"), "did you mean comb-port"),
-    (lambda bay: mf.parallel_env(senario="comb-port"), "scenario"),
+    (lambda bay: mf.parallel_env(senario="comb-port"), "senario"),  # type: ignore[call-arg]
     (lambda bay: mf.load_run(None), "folder is NoneType; give a path"),  # type: ignore[arg-type]
     (lambda bay: mf.make_mission(bay, world=["graph"]), "world"),  # type: ignore[arg-type]
     (lambda bay: mf.make_mission(bay, batch="2"), "batch is str"),  # type: ignore[arg-type]

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -74,7 +75,7 @@ def test_stable_baselines3_accepts(name: str) -> None:
         ({"scenario": "nowhere"}, "scenario nowhere: neither a shipped scenario nor a TOML file"),
     ],
 )
-def test_bad_options_are_named(options: dict[str, object], words: str) -> None:
+def test_bad_options_are_named(options: dict[str, Any], words: str) -> None:
     with pytest.raises(UserError) as raised:
         mjforage.parallel_env(**options)
     assert words in str(raised.value)
