@@ -69,7 +69,9 @@ def test_a_folder_names_the_call_or_the_command_that_made_it(
     mf.compare(bay.replace(horizon=2), "levy", folder="compared", **QUIET)
     mf.study("parts", bay, "levy", folder="study", **QUIET)
     mf.board(["open-bay"], ["levy"], overrides=["horizon=3"], folder="board", **QUIET)
-    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    monkeypatch.setattr(
+        "mjforage.view.report.write_report", lambda folder, *_: folder / "report.html"
+    )
     command = ["evaluate", "bay.toml", "--policy", "levy", "--episodes", "1", "--out", "commanded"]
     main(command)
     named = {
