@@ -28,9 +28,7 @@ def test_warnings_are_printed_where_a_user_asks_for_them(asked: str, told: str) 
     assert done.stdout == "" and done.stderr.endswith(told) and bool(done.stderr) == bool(told)
 
 
-def test_a_run_has_the_warnings_of_its_call(
-    bay: mf.Scenario, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_has_the_warnings_of_its_call(bay: mf.Scenario, tmp_path: Path) -> None:
     windy = bay.replace(weather={"gust_intensity": 0.2, "wind_speed_mps": 3.0})
     run = mf.evaluate(windy, "greedy", folder=tmp_path / "run", **QUIET)
     [line] = run.warnings

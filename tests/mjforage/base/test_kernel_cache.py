@@ -153,7 +153,8 @@ def test_kernels_that_nobody_read_for_long_go_when_another_is_written(tmp_path: 
     assert "flotilla.steering.steer" in names
 
 
-TWICE = ASK + "from flotilla.helm import unused\nunused(1.0)\n"
+SHOWN = "import logging\nlogging.basicConfig()\n"
+TWICE = SHOWN + ASK + "from flotilla.helm import unused\nunused(1.0)\n"
 
 
 def test_a_folder_that_cannot_be_made_is_told_once_with_the_remedy(tmp_path: Path) -> None:
