@@ -1,5 +1,5 @@
-"""Additions to autodoc: Markdown tables in docstrings, short types of arrays, and fields of named
-tuples that comments describe.
+"""Additions to autodoc: Markdown tables in docstrings, descriptions of parameters beside their
+names, short types of arrays, and fields of named tuples that comments describe.
 """
 
 import ast
@@ -29,6 +29,8 @@ SHORTER = (
     (r"numpy\.(\w+)", r"\1"),
 )
 """Pattern in a signature -> its short form."""
+DESCRIBED = re.compile(r"(?P<names>[*\w]+(, [*\w]+)*) : (?P<words>.+)")
+TYPE = re.compile(r"([A-Z]\w*|str|int|float|bool|callable|None|or|,| )*(, optional)?")
 
 
 def write_tables(
@@ -46,6 +48,26 @@ def write_tables(
             table = []
         new.append(line)
     lines[:] = new[:-1] if new and not new[-1] else new
+
+
+def write_parameters(
+    app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: list[str]
+) -> None:
+    """Write `name : description` with the description below the name, in place.
+
+    Signatures have the types; numpydoc takes what stands beside a name for its type.
+    """
+    new: list[str] = []
+    inside = False
+    for line, below in zip(lines, [*lines[1:], ""], strict=True):
+        if below.startswith("---") and line.strip():
+            inside = line.strip() in ("Parameters", "Attributes")
+        found = DESCRIBED.fullmatch(line) if inside else None
+        if found and not TYPE.fullmatch(found["words"]):
+            new += [found["names"], f"    {found['words']}"]
+        else:
+            new.append(line)
+    lines[:] = new
 
 
 @lru_cache(maxsize=256)
@@ -115,6 +137,7 @@ def list_table(table: list[list[str]]) -> list[str]:
 def setup(app: Sphinx) -> ExtensionMetadata:
     """Join autodoc before numpydoc does."""
     app.connect("autodoc-process-docstring", write_tables, priority=BEFORE_NUMPYDOC)
+    app.connect("autodoc-process-docstring", write_parameters, priority=BEFORE_NUMPYDOC)
     app.connect("autodoc-process-docstring", write_field, priority=BEFORE_NUMPYDOC)
     app.connect("autodoc-process-signature", write_signature)
     app.connect("doctree-resolved", write_annotations)

@@ -52,3 +52,19 @@ def test_a_field_of_a_named_tuple_is_told_by_its_comment() -> None:
     fields = extension("docstrings").fields_of(Observation)
     assert set(fields) == set(Observation._fields) and all(fields.values())
     assert fields["last_seen"] == "(row, node) step, NEVER if not yet seen"
+
+
+def test_a_description_beside_a_name_is_no_type() -> None:
+    lines = [
+        "Thing.",
+        "",
+        "Parameters",
+        "----------",
+        "path : Path",
+        "    Its file.",
+        "size, n : two",
+    ]
+    lines += ["    whole numbers", "", "Raises", "------", "UserError : never"]
+    extension("docstrings").write_parameters(None, "", "", None, None, lines)
+    assert lines[4:9] == ["path : Path", "    Its file.", "size, n", "    two", "    whole numbers"]
+    assert lines[-1] == "UserError : never"
