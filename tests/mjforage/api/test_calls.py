@@ -1,9 +1,11 @@
 """What a call says of itself: its warnings, and what the run folder names as its origin."""
 
 import json
+import logging
 import random
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +40,20 @@ def test_a_run_has_the_warnings_of_its_call(bay: mf.Scenario, tmp_path: Path) ->
     assert mf.evaluate(bay, "greedy", **QUIET).warnings == ()
     study = mf.study("parts", windy, "greedy", folder=tmp_path / "study", **QUIET)
     assert study.warnings == (line,)
+
+
+def test_warnings_of_another_thread_are_not_the_runs(bay: mf.Scenario) -> None:
+    told: list[int] = []
+
+    def report(done: int, total: int) -> None:
+        told.append(done)
+        say = logging.getLogger("mjforage.runs").warning
+        thread = threading.Thread(target=say, args=("of another call",))
+        thread.start()
+        thread.join()
+
+    run = mf.evaluate(bay, "greedy", episodes=1, progress=report)
+    assert told and run.warnings == ()
 
 
 def test_what_does_not_come_out_as_logged_is_told_and_not_shown(bay: mf.Scenario) -> None:

@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,13 @@ import pytest
 from polars.testing import assert_frame_equal
 
 import mjforage as mf
+from mjforage.base import registry
 from mjforage.cli.commands import app
 from mjforage.runs.sources import source_hash
 from tests.mjforage.api.conftest import Eastward, drawn, nearest
 
 QUIET: dict[str, Any] = {"record": (), "progress": False}
+TWO_CHUNKS = 51  # episodes: of fewer one chunk is computed, in this process whatever `jobs`
 
 
 def test_a_function_an_object_and_a_class_play_beside_a_name(bay: mf.Scenario) -> None:
@@ -54,7 +57,7 @@ def test_a_redefined_function_is_the_new_one_in_workers_that_stay(bay: mf.Scenar
         def steer(view: mf.View) -> dict[str, str]:
             return dict.fromkeys(view.agents, move)
 
-        return mf.evaluate(bay, steer, episodes=2, jobs=2, **QUIET).agents
+        return mf.evaluate(bay, steer, episodes=TWO_CHUNKS, jobs=2, **QUIET).agents
 
     east, west, again = (ends(move) for move in "EWE")
     assert_frame_equal(east, again)
@@ -108,14 +111,43 @@ def test_another_function_of_the_name_is_another_run(bay: mf.Scenario, tmp_path:
         mf.evaluate(bay, {"thine": Eastward(2)}, episodes=1, folder=tmp_path / "object", **QUIET)
 
 
+def test_fresh_keeps_another_run_aside(bay: mf.Scenario, tmp_path: Path) -> None:
+    how: dict[str, Any] = {"episodes": 1, "folder": tmp_path / "run", **QUIET}
+    mf.evaluate(bay, "levy", **how)
+    assert mf.evaluate(bay, "random", resume="fresh", **how).policies == ("random",)
+    [aside] = tmp_path.glob("run.before-*")
+    assert mf.load_run(aside).policies == ("levy",)
+
+
+def test_numbers_may_be_of_numpy(bay: mf.Scenario) -> None:
+    how: dict[str, Any] = {"episodes": np.int64(1), "seed": np.uint64(7)}
+    run = mf.evaluate(bay, "levy", **how, **QUIET)
+    assert run.seed == 7 and run.episodes.height == 1
+
+
+class OneBatch(Eastward):
+    """Goes east in the first batch that an object plays, west in others."""
+
+    def reset(self, task: Any, keys: Any) -> None:
+        super().reset(task, keys)
+        self.move = 6
+
+
+def test_every_batch_has_a_copy_of_an_object(bay: mf.Scenario) -> None:
+    given = OneBatch()
+    run = mf.evaluate(bay, [given], episodes=TWO_CHUNKS, **QUIET)
+    ends = run.agents.filter(step=1)["x_m"] - run.agents.filter(step=0)["x_m"]
+    assert ends.len() == TWO_CHUNKS * 4 and (ends > 0.0).all() and given.move == 2
+
+
 def test_ctrl_c_returns_what_is_finished(bay: mf.Scenario) -> None:
     def stop(done: int, total: int) -> None:
-        if done >= 50:
+        if done >= 100:
             raise KeyboardInterrupt
 
-    run = mf.evaluate(bay, "random", episodes=70, progress=stop, record=())
-    assert not run.complete and run.episodes.height == 50
-    assert run.summary.filter(metric="pta_c")["n"].to_list() == [50]
+    run = mf.evaluate(bay, "random", episodes=120, progress=stop, record=())
+    assert not run.complete and run.episodes["episode"].sort().to_list() == list(range(100))
+    assert run.summary.filter(metric="pta_c")["n"].to_list() == [100]
     assert repr(run).endswith("not complete)")
     with pytest.raises(mf.UserError, match="the run is not complete"):
         run.plot()
@@ -126,6 +158,13 @@ def test_compare_plays_both_worlds(bay: mf.Scenario) -> None:
     assert gap.worlds == ("graph", "physics")
     ladder = mf.compare(bay.replace(horizon=2), nearest, episodes=1, ladder=True, **QUIET)
     assert ladder.worlds[0] == "graph" and len(ladder.worlds) > 2
+
+
+def test_compare_records_the_episodes_asked_for(bay: mf.Scenario, tmp_path: Path) -> None:
+    how: dict[str, Any] = {"episodes": 2, "record": [1], "progress": False, "horizon": 2}
+    mf.compare(bay, "levy", folder=tmp_path / "run", **how)
+    files = sorted(file.name for file in tmp_path.glob("run/replay/*.npz"))
+    assert files == ["graph-levy-1.npz", "physics-levy-1.npz"]
 
 
 def test_weights_of_any_folder_are_played_by_their_path(bay: mf.Scenario, tmp_path: Path) -> None:
@@ -173,6 +212,15 @@ def test_whatever_a_policy_uses_is_part_of_what_it_is(monkeypatch: pytest.Monkey
     assert source_hash(north) != source_hash(south)
     assert not any(one.startswith("unreadable") for one in before)
 
+    def of_default(move: str) -> Callable[[mf.View], dict[str, str]]:
+        def go(view: mf.View, move: str = move) -> dict[str, str]:
+            return dict.fromkeys(view.agents, move)
+
+        return go
+
+    assert source_hash(of_default("N")) == source_hash(of_default("N"))
+    assert source_hash(of_default("N")) != source_hash(of_default("S"))
+
 
 def test_workers_have_modules_of_a_user_as_they_are_here(
     bay: mf.Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -185,7 +233,8 @@ def test_workers_have_modules_of_a_user_as_they_are_here(
     for move in "EW":
         own.MOVE = move  # type: ignore[attr-defined]
         one, two = (
-            mf.evaluate(bay, own.steer, episodes=2, jobs=jobs, **QUIET).agents for jobs in (1, 2)
+            mf.evaluate(bay, own.steer, episodes=TWO_CHUNKS, jobs=jobs, **QUIET).agents
+            for jobs in (1, 2)
         )
         assert_frame_equal(one, two)
 
@@ -196,10 +245,11 @@ def test_errors_of_a_class_are_one_line(bay: mf.Scenario, jobs: int) -> None:
         def act(self, observation: Any) -> Any:
             sys.exit("on\ntwo lines")
 
+    how: dict[str, Any] = {"episodes": TWO_CHUNKS, "jobs": jobs, **QUIET}
     with pytest.raises(mf.UserError, match="policy Broken: raised SystemExit: on two lines"):
-        mf.evaluate(bay, [Broken], episodes=2, jobs=jobs, **QUIET)
+        mf.evaluate(bay, [Broken], **how)
     with pytest.raises(mf.UserError, match="policy thing: raised SystemExit"):
-        mf.evaluate(bay, {"thing": Broken()}, episodes=2, jobs=jobs, **QUIET)
+        mf.evaluate(bay, {"thing": Broken()}, **how)
 
 
 def test_nothing_stays_of_a_call_that_is_refused(
@@ -219,3 +269,19 @@ def test_a_run_of_a_function_is_filmed_by_whoever_gives_it(
         mf.load_run(tmp_path / "run").frame("later")
     run = mf.load_run(tmp_path / "run", policies={"later": nearest})
     assert run.frame("later", size=(320, 180)).shape == (180, 320, 3)
+
+
+def test_a_loaded_run_imports_only_code_that_is_named(
+    bay: mf.Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "named_east.py").write_text(
+        "from tests.mjforage.api.conftest import Eastward\n\n\nclass East(Eastward):\n    pass\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(registry, "_TRUSTED", set())
+    mf.evaluate(bay, "named_east:East", episodes=1, folder=tmp_path / "run", **QUIET)
+    monkeypatch.setattr(registry, "_TRUSTED", set())  # as in another process
+    with pytest.raises(mf.UserError, match="names policy named_east:East, code that neither ships"):
+        mf.load_run(tmp_path / "run").recording()
+    named = mf.load_run(tmp_path / "run", policies="named_east:East")
+    assert named.recording().policy == "named_east:East"

@@ -17,12 +17,23 @@ def test_a_move_goes_its_way_in_metres(bay: mf.Scenario) -> None:
     assert (after.step, after.time_s, after.over) == (1, bay.scenario.period_s, False)
 
 
+def test_an_agent_whose_move_is_not_legal_stays(bay: mf.Scenario) -> None:
+    mission = mf.make_mission(bay)
+    start = mission.reset(seed=1)
+    for _ in range(8):  # to the west edge, and on
+        state = mission.step(["W"] * 4)
+    assert not state.agent_xy_m[:, 0].any()
+    assert state.agent_xy_m[:, 1].tolist() == start.agent_xy_m[:, 1].tolist()
+
+
 def test_states_are_copies(bay: mf.Scenario) -> None:
     mission = mf.make_mission(bay)
     state = mission.reset(seed=1)
-    state.agent_xy_m[:] = 0.0
-    state.belief[:] = 9
-    assert mission.state.agent_xy_m.any() and not (mission.state.belief == 9).all()
+    before = [array.copy() for array in state[3:]]
+    for array in state[3:]:
+        array[:] = 1
+    for one, now in zip(before, mission.state[3:], strict=True):
+        assert np.array_equal(one, now, equal_nan=True)
 
 
 def test_a_batch_is_its_episodes(bay: mf.Scenario) -> None:

@@ -1,12 +1,14 @@
 """A run's tables, differences, figures and files."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import polars as pl
 import pytest
 
 import mjforage as mf
-from mjforage.metrics import paired_difference, paired_p
+from mjforage.metrics import holm, paired_difference, paired_p
 from tests.mjforage.api.conftest import drawn, nearest
 
 
@@ -26,6 +28,8 @@ def test_the_summary_is_of_the_episodes(run: mf.Run) -> None:
     [row] = run.summary.filter(**kind).iter_rows(named=True)
     lengths = run.episodes.filter(world="graph", policy="drawn")["length"]
     assert row["mean"] == lengths.mean() and row["n"] == 3
+    wide = run.summary.filter(pl.col("low") != pl.col("high"))
+    assert wide.height and (wide["low"] < wide["high"]).all()
 
 
 def test_differences_between_policies_and_between_worlds(run: mf.Run) -> None:
@@ -44,6 +48,12 @@ def test_differences_between_policies_and_between_worlds(run: mf.Run) -> None:
     wanted = (values("physics", "nearest") - values("graph", "nearest")).mean()
     assert gap[0, "difference"] == pytest.approx(wanted)
     assert gap[0, "world"] == "physics - graph"
+
+
+def test_p_values_are_corrected_for_all_rows(run: mf.Run) -> None:
+    found = run.differences("nearest", "drawn")
+    assert found["p_holm"].to_list() == pytest.approx(holm(found["p"]).tolist(), nan_ok=True)
+    assert (found["p_holm"] > found["p"]).any()
 
 
 def test_figures_page_and_player(run: mf.Run, tmp_path: Path) -> None:
@@ -69,3 +79,11 @@ def test_frames_are_pictures_of_the_time_asked_for(run: mf.Run) -> None:
     assert (early != late).any()
     with pytest.raises(mf.UserError, match="start 1e\\+06 s: the episode lasts from 0 to 120 s"):
         run.frame("drawn", time_s=1e6)
+
+
+def test_a_frame_is_of_its_policy_world_and_episode(run: mf.Run) -> None:
+    how: dict[str, Any] = {"time_s": 60.0, "size": (320, 180), "camera": "top"}
+    plain = run.frame("drawn", **how)
+    other = {"policy": "nearest"}, {"world": "physics"}, {"episode": 1}
+    for change in other:
+        assert (run.frame(**{"policy": "drawn", **how, **change}) != plain).any(), change

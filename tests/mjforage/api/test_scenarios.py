@@ -42,6 +42,13 @@ def test_the_pitch_of_an_array_is_the_scenarios_unless_given() -> None:
     assert port.map.pitch_m == 4.0 and port.map.starts == ()
     wide = mf.load_scenario("comb-port", map=mf.Map(np.ones((9, 9), int), pitch_m=2.5))
     assert wide.graph.pitch_m == 2.5
+    assert wide.replace(map=np.ones((5, 5), int)).graph.pitch_m == 2.5
+
+
+def test_a_map_of_a_file_has_the_starts_beside_it(bay: mf.Scenario, tmp_path: Path) -> None:
+    file = bay.map.to_file(tmp_path / "bay.csv")
+    assert mf.Map(file).starts == bay.map.starts
+    assert mf.Map(file, starts=()).starts == ()
 
 
 def test_a_file_gives_the_same_scenario_anywhere(

@@ -54,6 +54,7 @@ def test_a_board_plays_each_task_in_its_world(tmp_path: Path) -> None:
 def test_weights_of_a_training_are_a_policy(bay: mf.Scenario, tmp_path: Path) -> None:
     how: dict[str, Any] = {"settings": {**TINY, "evaluate_episodes": 1}, "updates": 1}
     weights = mf.train("ddqn", bay, folder=tmp_path / "learned", **how)
+    assert weights == tmp_path / "learned" / "best.safetensors"
     run = mf.evaluate(bay, weights, episodes=1, progress=False)
     assert run.policies == (weights.stem,)
 

@@ -52,6 +52,16 @@ def test_toward_ends_nearest_by_water(harbour: mf.Scenario) -> None:
     assert seen(harbour, lambda view: view.toward("foragers_0", "foragers_0"))[0] == "stay"
 
 
+def test_of_equal_moves_toward_takes_the_first(bay: mf.Scenario) -> None:
+    """A scout moves two nodes: east passes the node beside it and ends as near as staying does."""
+
+    def beside(view: mf.View) -> str:
+        row, column = view.cell("scouts_0")
+        return view.toward("scouts_0", (row, column + 1))
+
+    assert seen(bay, beside)[0] == "E"
+
+
 def test_legal_moves_end_in_water(harbour: mf.Scenario) -> None:
     def ends(view: mf.View) -> bool:
         places = [view.cell(view.end_of("foragers_0", m)) for m in view.legal_moves("foragers_0")]

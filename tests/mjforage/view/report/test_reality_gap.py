@@ -4,6 +4,7 @@ import dataclasses
 import shutil
 from pathlib import Path
 
+import numpy as np
 import polars as pl
 import pytest
 
@@ -12,7 +13,7 @@ from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.hull_tables import hulls_table
-from mjforage.view.report.reality_gap import gap_table, levels_table
+from mjforage.view.report.reality_gap import gap_figures, gap_table, levels_table
 from mjforage.view.report.run_logs import RunLogs, load_logs
 from tests.mjforage.view.report.known_data import cells, known_run, starred, three_worlds
 
@@ -44,6 +45,17 @@ def test_every_metric_has_its_paired_difference_last_minus_first() -> None:
         ),
     }
     assert [row.better for row in table.rows] == [1, -1, 1, -1]
+
+
+def test_the_figure_has_the_differences_of_the_table() -> None:
+    """Of PTA_C and NT90, for greedy and levy: the last world minus the first."""
+    [shown] = gap_figures(three_worlds())
+    points = [
+        [np.ravel(line.get_xydata()).tolist() for line in axes.lines if line.get_marker() != "None"]
+        for axes in shown.figure.axes
+        if axes.get_visible()
+    ]
+    assert points == [[[-30.0, 0.0], [-4.0, 1.0]], [[0.5, 0.0], [0.125, 1.0]]]
 
 
 def test_a_metric_that_one_world_lacks_has_no_difference() -> None:
