@@ -72,6 +72,8 @@ def encoder_class(text: str) -> Callable[..., Encoder]:
 
 def encoder_label(text: str) -> str:
     """The one spelling of a reference to an encoder; raises as `encoder_class`."""
+    if not isinstance(text, str):
+        raise UserError(f"observation = {text!r}: give a name, such as egocentric")
     encoder_class(text)
     return str(ENCODERS.bound(text)[0])
 

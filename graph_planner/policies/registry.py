@@ -126,7 +126,7 @@ def create_policy(text: str) -> Policy:
 def outside_class(text: str) -> str:
     """`package.module:Class` of a policy that is not ours; "" for one of ours."""
     made = policy_class(text)
-    put = policies_put([text])
+    put = policies_lent([text])
     return (
         "" if put or is_ours(made) else f"{made.__module__}:{getattr(made, '__qualname__', made)}"
     )
@@ -158,9 +158,9 @@ def policy_import_spec(text: str) -> ImportSpec | None:
     return None if own_weights(name) else POLICIES.import_specs([name]).get(name)
 
 
-def policies_put(texts: Sequence[str]) -> dict[str, Callable[..., Policy]]:
+def policies_lent(texts: Sequence[str]) -> dict[str, Callable[..., Policy]]:
     """Classes of those policies that are objects of this process, by name without options."""
-    return POLICIES.put_here(parse_reference(text, "policy").name for text in texts)
+    return POLICIES.lent_of(parse_reference(text, "policy").name for text in texts)
 
 
 def add_policy(text: str, spec: ImportSpec) -> None:

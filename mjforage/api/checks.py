@@ -5,13 +5,14 @@ import reprlib
 from collections.abc import Collection, Sequence
 from math import inf
 from pathlib import Path
-from typing import get_args
+from typing import cast, get_args
 
 import numpy as np
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
-from mjforage.physics.worlds import WORLDS
+from mjforage.graph_planner.graph.navigation import COMPASS
+from mjforage.physics.worlds import WORLDS, World
 from mjforage.runs.resuming import Resume
 
 Named = str | os.PathLike[str]
@@ -50,6 +51,13 @@ def text(name: str, value: object) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{name} is {type(value).__name__}; give a name")
     return value
+
+
+def label(name: str, value: object) -> str:
+    """A text to be read on one line; raises `TypeError` or `UserError` for anything else."""
+    if not text(name, value).isprintable() or not text(name, value).strip():
+        raise UserError(f"{name} {value!r}: give letters, digits and dashes")
+    return text(name, value)
 
 
 def texts(name: str, value: object) -> tuple[str, ...]:
@@ -98,9 +106,21 @@ def check_resume(resume: object) -> None:
         raise UserError(f"resume {resume!r}: choose {', '.join(get_args(Resume))}")
 
 
-def check_worlds(world: object) -> tuple[str, ...]:
+def check_worlds(world: object) -> tuple[World, ...]:
     """Names of worlds, of one or several; raises `UserError` for anything else."""
     several = (world,) if isinstance(world, str) else world
     if not isinstance(several, Sequence) or not several:
         raise UserError(f"world {world!r}: give one of {', '.join(WORLDS)}, or several in a list")
-    return tuple(one_of("world", one, WORLDS) for one in several)
+    return tuple(cast("World", one_of("world", one, WORLDS)) for one in several)
+
+
+def move_number(move: object, who: str, agent: str) -> int:
+    """Number 0-8 of a move by its name or number; raises `UserError` for another."""
+    if isinstance(move, str) and move in COMPASS:
+        return COMPASS.index(move)
+    if isinstance(move, int | np.integer) and not isinstance(move, bool) and 0 <= move < 9:
+        return int(move)
+    raise UserError(
+        f"{who}: gave {move!r} for {agent}; give one of {', '.join(COMPASS)}, 0 to 8 in that "
+        "order, or None"
+    )

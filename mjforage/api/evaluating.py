@@ -4,33 +4,31 @@ import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from mjforage.api import checks
 from mjforage.api.calls import call
 from mjforage.api.checks import Named
-from mjforage.api.players import Players
+from mjforage.api.players import Players, Policies
 from mjforage.api.progress import bar
 from mjforage.api.run import Run
 from mjforage.api.scenarios import scenario_of
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
-from mjforage.physics.worlds import ladder_of
+from mjforage.physics.worlds import World, ladder_of
 from mjforage.runs.evaluate import evaluate as run_evaluate
 from mjforage.runs.resuming import Resume
 from mjforage.runs.selection import USUAL
 from mjforage.runs.workers import Workers
 
-World = Literal["graph", "hulls", "calibrated", "debris", "intake", "physics"]
-
 
 def evaluate(
     scenario: Setup | Named,
-    policies: object,
+    policies: Policies,
     *,
     episodes: int = 100,
     seed: int = 0,
-    world: World | Sequence[str] = "graph",
+    world: World | Sequence[World] = "graph",
     jobs: int = 1,
     folder: Named | None = None,
     metrics: Sequence[str] = (),
@@ -93,7 +91,8 @@ def evaluate(
             players.known() as names,
             bar("evaluate", "episodes", progress) as shown,
         ):
-            run_evaluate(scenario_of(scenario, changes), names, target, progress=shown, **options)
+            setup = scenario_of(scenario, changes, evaluate)
+            run_evaluate(setup, names, target, progress=shown, **options)
     except KeyboardInterrupt:
         if not (target / "run.json").is_file():
             _remove(temporary)
@@ -106,7 +105,7 @@ def evaluate(
 
 def compare(
     scenario: Setup | Named,
-    policies: object,
+    policies: Policies,
     *,
     episodes: int = 20,
     ladder: bool = False,
@@ -143,7 +142,7 @@ def compare(
     """
     if "world" in changes:
         raise UserError("compare takes no world; give evaluate(..., world=[...]) those you want")
-    setup = scenario_of(scenario, changes)
+    setup = scenario_of(scenario, changes, compare)
     with call("compare"):
         return evaluate(
             setup,
@@ -161,7 +160,7 @@ def compare(
         )
 
 
-def load_run(folder: Named, *, policies: object = ()) -> Run:
+def load_run(folder: Named, *, policies: Policies = ()) -> Run:
     """Open a run folder, of this package or its command line.
 
     Parameters

@@ -7,13 +7,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.api import checks
 from mjforage.api.view import View
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.references import nearest
 from mjforage.base.registry import fault
 from mjforage.graph_planner.encodings import LegalMoves
-from mjforage.graph_planner.graph.navigation import COMPASS, STAY
+from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.mission.moves import CHOSEN, OTHERWISE_STAY
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task
@@ -66,25 +67,14 @@ class FunctionPolicy:
                 close = nearest(str(agent), view.agents)
                 raise UserError(f"policy {name}: gave a move for {agent!r}, no agent; {close}")
             if move is not None:
-                moves.append((view.agents.index(agent), move_number(move, f"policy {name}", agent)))
+                number = checks.move_number(move, f"policy {name}", agent)
+                moves.append((view.agents.index(agent), number))
         return moves
 
 
 def said_of(error: BaseException, name: str) -> str:
     """Line about an error that a user's policy raised."""
     return " ".join(f"policy {name}: raised {fault(error)}; mend it".split())
-
-
-def move_number(move: object, who: str, agent: str) -> int:
-    """Number 0-8 of a move by its name or number; raises `UserError` for another."""
-    if isinstance(move, str) and move in COMPASS:
-        return COMPASS.index(move)
-    if isinstance(move, int | np.integer) and not isinstance(move, bool) and 0 <= move < 9:
-        return int(move)
-    raise UserError(
-        f"{who}: gave {move!r} for {agent}; give one of {', '.join(COMPASS)}, 0 to 8 in that "
-        "order, or None"
-    )
 
 
 def policy_of_function(function: Function, name: str) -> type[FunctionPolicy]:

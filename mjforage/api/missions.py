@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from mjforage.api import checks
 from mjforage.api.checks import Named
-from mjforage.api.functions import Move, move_number
-from mjforage.api.players import Players
+from mjforage.api.functions import Move
+from mjforage.api.players import Players, Policies
 from mjforage.api.scenarios import scenario_of
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
@@ -19,7 +19,7 @@ from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission as Core
 from mjforage.mission.moves import preferences_of
 from mjforage.mission.setup import Setup
-from mjforage.physics.worlds import WORLDS, create_mission
+from mjforage.physics.worlds import WORLDS, World, create_mission
 
 
 class State(NamedTuple):
@@ -76,11 +76,6 @@ class State(NamedTuple):
 class Mission:
     """A mission in one of the worlds, played step by step; made by `make_mission`.
 
-    Attributes
-    ----------
-    scenario : what is played
-    agents : names of the agents, in the order of all arrays
-
     Examples
     --------
     >>> import mjforage as mf
@@ -93,7 +88,9 @@ class Mission:
     """
 
     def __init__(self, setup: Setup, world: str, batch: int | None) -> None:
-        self.scenario, self.agents = setup, setup.fleet.names
+        if not isinstance(setup, Setup):
+            raise TypeError(f"setup is {type(setup).__name__}; make missions with make_mission")
+        self._scenario = setup
         self._core: Core = create_mission(setup, world)
         self._batch, self._legal = batch, LegalMoves(setup.task)
         self._started = False
@@ -112,7 +109,9 @@ class Mission:
             If a number is out of range.
         """
         count = self._batch or 1
-        several = [episode] if isinstance(episode, int | np.integer) else episode
+        several = episode.tolist() if isinstance(episode, np.ndarray) else episode
+        if several is not None and not isinstance(several, Sequence):
+            several = [several]
         numbers = list(range(count)) if several is None else several
         if isinstance(numbers, str) or len(numbers) != count:
             raise UserError(f"episode {episode!r}: give {count} whole number(s) from 0 on")
@@ -140,7 +139,7 @@ class Mission:
         self._core.advance(preferences_of(wanted))
         return self.state
 
-    def play(self, policy: object) -> Iterator[State]:
+    def play(self, policy: Policies) -> Iterator[State]:
         """Let a policy decide until all episodes are over; a state after every decision.
 
         Parameters
@@ -166,6 +165,16 @@ class Mission:
                 yield self.state
 
         return states()
+
+    @property
+    def scenario(self) -> Setup:
+        """Scenario that is played."""
+        return self._scenario
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """Names of the agents, in the order of all arrays."""
+        return self._scenario.fleet.names
 
     @property
     def state(self) -> State:
@@ -207,15 +216,16 @@ class Mission:
                 if agent not in self.agents:
                     raise UserError(f"agent {agent!r}: unknown; {nearest(str(agent), self.agents)}")
                 if move is not None:
-                    wanted[self.agents.index(agent)] = move_number(move, "step", agent)
+                    wanted[self.agents.index(agent)] = checks.move_number(move, "step", agent)
             return np.tile(wanted, (count, 1))
         array = np.asarray(moves, object)
         shape = (len(self.agents),) if self._batch is None else (count, len(self.agents))
         if array.shape != shape:
             raise UserError(f"moves of shape {array.shape}: give {shape}, one for each agent")
+        agents = self.agents * count
         numbers = [
-            STAY if one is None else move_number(one, "step", self.agents[i % len(self.agents)])
-            for i, one in enumerate(array.ravel())
+            STAY if one is None else checks.move_number(one, "step", agent)
+            for one, agent in zip(array.ravel(), agents, strict=True)
         ]
         return np.array(numbers, np.int64).reshape(count, len(self.agents))
 
@@ -228,7 +238,7 @@ class Mission:
 
 
 def make_mission(
-    scenario: Setup | Named, *, world: str = "graph", batch: int | None = None, **changes: Any
+    scenario: Setup | Named, *, world: World = "graph", batch: int | None = None, **changes: Any
 ) -> Mission:
     """A mission to be played step by step.
 
@@ -257,6 +267,6 @@ def make_mission(
     """
     checks.one_of("world", world, WORLDS)
     number = None if batch is None else checks.whole("batch", batch, 1)
-    setup = scenario_of(scenario, changes)
+    setup = scenario_of(scenario, changes, make_mission)
     setup.check_memory(number or 1)
     return Mission(setup, world, number)

@@ -34,9 +34,9 @@ Size = tuple[int | None, int | None]
 class Pictures:
     """Recordings, frames and films of the episodes of a run folder."""
 
-    def __init__(self, folder: Path, players: Players) -> None:
-        self._folder, self._players = folder, players
-        self._info = load_run(folder / "run.json")
+    def __init__(self, folder: Named, players: Players) -> None:
+        self._folder, self._players = checks.path("folder", folder), players
+        self._info = load_run(self._folder / "run.json")
 
     @property
     def complete(self) -> bool:
@@ -84,6 +84,7 @@ class Pictures:
         """
         from mjforage.view.render.films import render_frame
 
+        _check_texts(camera=camera, follow=follow, seen_by=seen_by)
         view: dict[str, Any] = {"camera": camera, "follow": follow, "seen_by": seen_by}
         view |= {"size": _checked_size(size)}
         start_s = checks.real("time_s", time_s)
@@ -133,6 +134,7 @@ class Pictures:
         from mjforage.view.render import render_recording
 
         target, fps = checks.path("path", path), checks.real("fps", fps)
+        _check_texts(camera=camera, follow=follow, seen_by=seen_by, beside=beside)
         view: dict[str, Any] = {"camera": camera, "follow": follow, "seen_by": seen_by}
         view |= {"size": _checked_size(size), "fps": fps}
         view["start_s"] = checks.real("start_s", start_s)
@@ -203,6 +205,13 @@ class Pictures:
                 "the run is not complete: it was ended early; run evaluate again, with a folder it "
                 "goes on where it was"
             )
+
+
+def _check_texts(**named: object) -> None:
+    """Refuse what is neither a text nor absent; raises `TypeError`."""
+    for name, value in named.items():
+        if value is not None:
+            checks.text(name, value)
 
 
 def _checked_size(size: object) -> Size:

@@ -3,19 +3,40 @@
 import copy
 import functools
 import inspect
+import os
 import reprlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-from mjforage.api.functions import policy_of_function, said_of
+from mjforage.api.functions import Function, policy_of_function, said_of
 from mjforage.base.errors import UserError
 from mjforage.base.registry import is_ours, trust
-from mjforage.graph_planner.policies.registry import POLICIES, own_weights, weights_player
+from mjforage.graph_planner.policies import create_policy
+from mjforage.graph_planner.policies.registry import (
+    POLICIES,
+    own_weights,
+    policy_class,
+    policy_label,
+    weights_player,
+)
 from mjforage.mission.policy import Policy
 from mjforage.runs.sources import source_hash
+
+
+class HasPredict(Protocol):
+    """A loaded model of another library, such as Stable-Baselines3's."""
+
+    @property
+    def predict(self) -> Callable[..., Any]:
+        """Actions for observations."""
+        ...
+
+
+PolicyLike = str | os.PathLike[str] | type | Policy | Function | HasPredict
+Policies = PolicyLike | Iterable[PolicyLike] | Mapping[str, PolicyLike]
 
 FORMS = (
     'a name such as "greedy", a class or an object with `reset` and `act`, a function of one view, '
@@ -75,13 +96,10 @@ class Players:
         UserError
             If a name is that of another policy.
         """
-        POLICIES.put(self.objects)
         plain = (name.partition("(")[0].strip() for name in self.names)
         trust(*(name for name in plain if ":" in name))
-        try:
+        with POLICIES.lent(self.objects):
             yield list(self.names)
-        finally:
-            POLICIES.put({})
 
 
 def _found(policy: Any, name: str) -> str | type:
@@ -112,14 +130,23 @@ def _checked(name: str) -> str:
 
 
 def _of_text(text: str, name: str) -> str | type:
-    if name and not text.endswith(".safetensors"):
-        raise UserError(f"policy {name}: is {text}, which has its name; give it in a list")
     if text.endswith(".zip"):
         raise UserError(
             f"policy {text}: such files hold pickles, which are code; load the model with its own "
             'class, such as MaskablePPO.load("model.zip"), and give the model'
         )
-    return _of_weights(Path(text), name) if text.endswith(".safetensors") else text
+    if text.endswith(".safetensors"):
+        return _of_weights(Path(text), name)
+    return text if name in ("", text) else _renamed(text, name)
+
+
+def _renamed(text: str, name: str) -> type:
+    """The class of a named policy, options included, under another name."""
+    label = policy_label(text)
+    made: Any = policy_class(text)
+    members = {"__new__": lambda cls: create_policy(label), "__module__": "__main__"}
+    hashed = {"source_hash": label if is_ours(made) else source_hash(made, label)}
+    return type(name, (), {**_handed(made), **members, **hashed, "__doc__": f"Policy {label}."})
 
 
 def _of_weights(path: Path, name: str) -> str | type:

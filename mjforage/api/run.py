@@ -46,7 +46,7 @@ class Run(Pictures):
 
     def __init__(
         self,
-        folder: Path,
+        folder: Named,
         temporary: Path | None = None,
         players: Players = NOBODY,
         warnings: Sequence[str] = (),
@@ -153,6 +153,7 @@ class Run(Pictures):
         """
         from mjforage.view.report.report_page import draw_figures
 
+        checks.text("figure", what)
         found = {one.name: one.figure for one in draw_figures(self._logs)}
         named = {"progress": "pta"}.get(what, what)
         return found[checks.one_of("figure", named, found)]
@@ -233,6 +234,8 @@ class Run(Pictures):
             return Path(shutil.copytree(self._folder, target))
 
     def _table(self, name: str) -> pl.DataFrame:
+        if not (self._folder / "run.json").is_file():
+            raise UserError(f"{self._folder}: the run folder is gone; load or make the run again")
         found = RunFolder(self._folder).finished(name)
         if found is None:
             raise UserError(

@@ -1,8 +1,9 @@
 """Scenarios and maps as a user of Python has them: names, files, arrays and objects."""
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from inspect import Parameter, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -12,9 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from mjforage.api import checks
 from mjforage.api.checks import Named
-from mjforage.api.vessels import vessel_file
+from mjforage.api.vessels import vessel_file, vessel_folder
 from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
 from mjforage.physics.vessels import Vessel
 from mjforage.scenario import scenario_file
@@ -32,6 +34,8 @@ from mjforage.scenario.scenario import Scenario as Settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+VAR_KEYWORD = Parameter.VAR_KEYWORD
 
 
 class Map:
@@ -82,7 +86,7 @@ class Map:
                 raise UserError("map: the array has no water; mark water with 1 or True")
         given = beside or () if starts is None else _cells(starts)
         self._grid = GridMap(
-            grid.name if name is None else checks.text("name", name), grid.navigable
+            grid.name if name is None else checks.label("name", name), grid.navigable
         )
         self._starts: Starts = tuple((int(row), int(column)) for row, column in given)
         self._pitch_m = checks.real("pitch_m", pitch_m, above=0.0)
@@ -161,14 +165,18 @@ class Scenario(Setup):
         return Map(self.grid.navigable, name=self.grid.name, **how)
 
     def replace(
-        self, *, map: "Map | Named | ArrayLike | None" = None, **changes: Any
+        self,
+        *,
+        map: "Map | Named | ArrayLike | Mapping[str, Any] | None" = None,
+        **changes: Any,
     ) -> "Scenario":
         """The scenario with other values of some keys; tables as dicts, of which the rest stays.
 
         Parameters
         ----------
         map : another grid: a `Map`, a name, a file, or an array (rows, columns), True for water. It
-            brings its own starts; the command line's `--map` keeps those of the scenario
+            brings its own starts; the command line's `--map` keeps those of the scenario, as does
+            ``map={"file": ...}``, a dict of the table's keys
         changes : keys of a scenario file, such as ``horizon=60`` or
             ``weather={"wind_speed_mps": 5.0}``; vessels of teams are
             ``physics={"vessels": {"scouts": "otter"}}``, by name, file or `Vessel`
@@ -179,6 +187,21 @@ class Scenario(Setup):
             For an unknown key, a wrong type, or a value out of range.
         """
         return _changed(self.scenario, self.grid, map, changes)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Setup):
+            return NotImplemented
+        same = np.array_equal(self.grid.navigable, other.grid.navigable)
+        return same and self.to_dict() == scenario_file.scenario_to_tree(other.scenario)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.grid.navigable.tobytes()))
+
+    def __deepcopy__(self, memo: object) -> "Scenario":
+        return self  # nothing changes it
+
+    def __reduce__(self) -> Any:
+        return _rebuilt, (self.to_dict(), self.grid.navigable, self.grid.name)
 
     def to_dict(self) -> dict[str, Any]:
         """All keys with their values, defaults included; tables as dicts. A copy."""
@@ -195,12 +218,12 @@ class Scenario(Setup):
         target = checks.path("path", path)
         tree = _present(self.to_dict())
         file = self.scenario.map.file
-        if not (is_shipped_map(file) or is_harbour(file)):
+        if not (is_shipped_map(file) or is_harbour(file)) or not reads_as(self):
             table = self.map.to_file(target.with_name(f"{target.stem}.map.csv"))
             tree["map"] |= {"file": table.name, "water": "light"}
         tree["map"]["starts"] = [list(cell) for cell in self.start_cells]
         vessels = tree["physics"].get("vessels", {})
-        tree["physics"]["vessels"] = {team: _absolute(one) for team, one in vessels.items()}
+        tree["physics"]["vessels"] = {team: _beside(target, one) for team, one in vessels.items()}
         with atomic_write(target) as beside:
             beside.write_text(tomli_w.dumps(tree), encoding="utf-8")
         return target
@@ -215,8 +238,17 @@ class Scenario(Setup):
         )
 
 
+def _rebuilt(tree: dict[str, Any], water: NDArray[np.bool_], name: str) -> Scenario:
+    """The scenario that another process had."""
+    settings = scenario_file.scenario_from_tree(tree, "scenario")
+    return Scenario(settings, GridMap(name, water))
+
+
 def load_scenario(
-    reference: Named = "comb-port", *, map: Map | Named | ArrayLike | None = None, **changes: Any
+    reference: Named = "comb-port",
+    *,
+    map: Map | Named | ArrayLike | Mapping[str, Any] | None = None,
+    **changes: Any,
 ) -> Scenario:
     """Read a scenario that ships, or a file, and change some of its keys.
 
@@ -252,12 +284,44 @@ def _cells(starts: object) -> list[list[int]]:
     return [[checks.whole("start", part, 0) for part in one] for one in several]
 
 
-def scenario_of(given: "Setup | Named", changes: Mapping[str, Any]) -> Setup:
-    """A scenario given as an object, a name or a file, with some keys changed."""
+def reads_as(setup: Setup) -> bool:
+    """True if the name or file of a scenario's map reads as the map that it has."""
+    choice = setup.scenario.map
+    try:
+        found = load_map(
+            choice.file,
+            water=choice.water,
+            corner_cutting=choice.corner_cutting,
+            largest_component=choice.largest_component,
+        )
+    except UserError:
+        return False
+    return np.array_equal(found.navigable, setup.grid.navigable)
+
+
+def scenario_of(
+    given: "Setup | Named", changes: Mapping[str, Any], call: Callable[..., Any] | None = None
+) -> Setup:
+    """A scenario given as an object, a name or a file, with some keys changed.
+
+    Raises `UserError` as `load_scenario`; of a call's arguments, the nearest option is offered too.
+    """
+    if call is not None:
+        _check_options(changes, call)
     if isinstance(given, Setup):
         found = Scenario(given.scenario, given.grid)
         return found.replace(**changes) if changes else found
     return load_scenario(given, **changes)
+
+
+def _check_options(changes: Mapping[str, Any], call: Callable[..., Any]) -> None:
+    """Refuse arguments that are neither options of a call nor keys of a scenario."""
+    keys = [each.name for each in fields(Settings)]
+    options = [one.name for one in signature(call).parameters.values() if one.kind != VAR_KEYWORD]
+    for name in changes:
+        if name.partition(".")[0] not in keys:
+            close = nearest(name, [*options, *keys])
+            raise UserError(f"{call.__name__}: no option or key of a scenario is {name}; {close}")
 
 
 def _changed(
@@ -266,6 +330,8 @@ def _changed(
     chosen: Any,
     changes: Mapping[str, Any],
 ) -> Scenario:
+    if isinstance(chosen, Mapping):
+        changes, chosen = {"map": chosen, **changes}, None
     values = dict(_flat("", changes))
     if isinstance(chosen, str | os.PathLike):
         file, grid = os.fspath(chosen), None
@@ -314,5 +380,13 @@ def _present(tree: Any) -> Any:
     return tree
 
 
-def _absolute(vessel: str) -> str:
-    return str(Path(vessel).resolve()) if vessel.endswith(".toml") else vessel
+def _beside(scenario: Path, vessel: str) -> str:
+    """Name of a vessel as a scenario's file has it; one that is an object is written beside it."""
+    if not vessel.endswith(".toml"):
+        return vessel
+    file = Path(vessel).resolve()
+    if not file.is_relative_to(vessel_folder().resolve()):
+        return str(file)
+    with atomic_write(scenario.with_name(f"{scenario.stem}.{file.name}")) as beside:
+        beside.write_bytes(file.read_bytes())
+    return f"{scenario.stem}.{file.name}"

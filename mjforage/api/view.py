@@ -127,7 +127,7 @@ class View:
         legal = self._legal[self._index(agent)]
         return tuple(name for name, one in zip(COMPASS, legal, strict=True) if one)
 
-    def end_of(self, agent: str, move: str) -> int:
+    def end_of(self, agent: str, move: str | int) -> int:
         """Node where a legal move of an agent ends.
 
         Raises
@@ -135,12 +135,13 @@ class View:
         UserError
             If the move is not legal.
         """
-        if move not in self.legal_moves(agent):
+        number = checks.move_number(move, "end_of", agent)
+        if COMPASS[number] not in self.legal_moves(agent):
             raise UserError(
                 f"move {move!r} of {agent}: is not legal here; choose "
                 f"{', '.join(self.legal_moves(agent))}"
             )
-        return self._end(self._index(agent), COMPASS.index(move))
+        return self._end(self._index(agent), number)
 
     def distances(self, where: str | Where) -> NDArray[np.float64]:
         """(node,) distance by water from an agent or a node to every node [node]."""

@@ -9,11 +9,14 @@ first: other code than what ships or is installed is imported only if the user h
 import importlib
 import inspect
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from traceback import walk_tb
+from types import MappingProxyType
 from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 from mjforage.base.errors import UserError
@@ -71,10 +74,11 @@ class Registry(Generic[T]):
     ) -> None:
         self.kind, self.group, self.given, self.methods = kind, group, given, methods
         self._registered: dict[str, T] = {}
-        self._put: dict[str, T] = {}
+        self._lent: ContextVar[Mapping[str, T]] = ContextVar(kind, default=MappingProxyType({}))
 
-    def put(self, classes: Mapping[str, T]) -> None:
-        """Make classes of this process known by name, in the place of all that were put before.
+    @contextmanager
+    def lent(self, classes: Mapping[str, T]) -> Iterator[None]:
+        """Make classes of this process known by name, for a while and to this thread alone.
 
         Other processes get them by value, not by their names.
 
@@ -83,15 +87,18 @@ class Registry(Generic[T]):
         UserError
             If a name is one that is registered or installed.
         """
-        self._put = {}
         for name in classes:
-            if self.has(name):
+            if name in self._registered or name in self._entries:
                 raise UserError(f"{self.kind} {name}: is the name of another; give yours another")
-        self._put = dict(classes)
+        before = self._lent.set({**self._lent.get(), **classes})
+        try:
+            yield
+        finally:
+            self._lent.reset(before)
 
-    def put_here(self, names: Iterable[str]) -> dict[str, T]:
-        """Those of some names that `put` has made known."""
-        return {name: self._put[name] for name in names if name in self._put}
+    def lent_of(self, names: Iterable[str]) -> dict[str, T]:
+        """Those of some names that `lent` has made known."""
+        return {name: self._lent.get()[name] for name in names if name in self._lent.get()}
 
     def register(self, name: str) -> Callable[[M], M]:
         """Decorator that makes something known under a name.
@@ -124,7 +131,7 @@ class Registry(Generic[T]):
 
     def has(self, name: str) -> bool:
         """True if a name is registered or installed."""
-        return name in self._put or name in self._registered or name in self._entries
+        return name in self._lent.get() or name in self._registered or name in self._entries
 
     def find(self, name: str) -> T:
         """Part of a name without options; a registered one comes first.
@@ -137,8 +144,8 @@ class Registry(Generic[T]):
             If there is none of that name (the message offers the nearest), it cannot be imported,
             or is no class with the methods of its kind.
         """
-        if name in self._put:
-            return self._put[name]
+        if name in self._lent.get():
+            return self._lent.get()[name]
         if name in self._registered:
             return self._registered[name]
         reference = name
@@ -215,7 +222,7 @@ class Registry(Generic[T]):
         UserError
             If one is of the script itself, which another process cannot import.
         """
-        found = {name: self.find(name) for name in names if name not in self._put}
+        found = {name: self.find(name) for name in names if name not in self._lent.get()}
         return {
             name: self.import_spec(name, made) for name, made in found.items() if not is_ours(made)
         }
@@ -285,14 +292,21 @@ def built(what: str, make: Callable[..., Made], *given: Any, **options: Any) -> 
 def fault(error: BaseException, package: str = "") -> str:
     """Error of a package's code, with its line: "IndexError: ... (file, line 3)"; "" of other code.
 
-    Without a package, of any code.
+    Without a package, of any code but ours and Python's own, and without a line if there is none.
     """
     lines = [
         f"{Path(frame.f_code.co_filename).name}, line {line}"
         for frame, line in walk_tb(error.__traceback__)
-        if not package or frame.f_globals.get("__name__", "").partition(".")[0] == package
+        if _is_of(frame.f_globals.get("__name__", ""), package)
     ]
-    return f"{type(error).__name__}: {error} ({lines[-1]})" if lines else ""
+    if package and not lines:
+        return ""
+    return f"{type(error).__name__}: {error}" + (f" ({lines[-1]})" if lines else "")
+
+
+def _is_of(module: str, package: str) -> bool:
+    top = module.partition(".")[0]
+    return top == package if package else top not in ("mjforage", "_sitebuiltins")
 
 
 def blamed(error: BaseException) -> str:

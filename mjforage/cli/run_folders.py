@@ -153,9 +153,9 @@ def _play(
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
     how: dict[str, Any] = {"episodes": episodes, "seed": choice.seed, "metrics": choice.metric}
-    how |= {"record": recorded, "resume": again.resume, **by.asked()}
+    how |= {"record": recorded, "resume": again.resume, "world": worlds, **by.asked()}
     with bar(words, "episodes") as progress:
-        run = play(setup, policies, folder=folder, world=worlds, progress=progress, **how)
+        run = play(setup, policies, folder=folder, progress=progress, **how)
     if not run.complete:
         raise KeyboardInterrupt
     bounds = [policy for policy in run.policies if is_upper_bound(policy)]

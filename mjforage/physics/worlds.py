@@ -7,6 +7,7 @@ neighbours say what each piece costs. A scenario that lacks a piece has the same
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.mission.dynamics import Dynamics
@@ -17,6 +18,8 @@ from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
+World = Literal["graph", "hulls", "calibrated", "debris", "intake", "physics"]
+NAMES: tuple[World, ...] = get_args(World)
 Factory = Callable[[NavigationGraph, Fleet, Scenario, TrajectoryRecorder | None], Dynamics]
 
 
@@ -125,10 +128,11 @@ def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:
     return tuple(pieces)
 
 
-def ladder_of(scenario: Scenario) -> tuple[str, ...]:
+def ladder_of(scenario: Scenario) -> tuple[World, ...]:
     """The worlds that differ from the one below in this scenario; the last one is all of it."""
-    ladder, before = ["graph"], None
-    for name in list(WORLDS)[1:]:
+    ladder: list[World] = ["graph"]
+    before = None
+    for name in NAMES[1:]:
         adapted = WORLDS[name].adapt(scenario)
         if adapted != before:
             ladder.append(name)

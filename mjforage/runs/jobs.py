@@ -23,7 +23,7 @@ from mjforage.base.atomic_files import write_bytes, write_errors
 from mjforage.base.errors import UserError
 from mjforage.base.registry import ImportSpec, blamed, trust, trusted
 from mjforage.graph_planner.policies import create_policy
-from mjforage.graph_planner.policies.registry import POLICIES, add_policy, policies_put
+from mjforage.graph_planner.policies.registry import POLICIES, add_policy, policies_lent
 from mjforage.mission.scoring import (
     Metric,
     Scorer,
@@ -123,7 +123,7 @@ def _packed(policies: Sequence[str]) -> bytes:
 
     They go from this process to its workers and are in no file.
     """
-    put = policies_put(policies)
+    put = policies_lent(policies)
     try:
         return _by_value(put) if put else b""
     except Exception as error:
@@ -210,9 +210,10 @@ def is_recorded(folder: Path, one: Episode) -> bool:
 
 
 @lru_cache(maxsize=1)
-def _receive(objects: bytes) -> None:
-    """Make the policies known that the process which asked has packed, and no others."""
-    POLICIES.put(cloudpickle.loads(objects) if objects else {})
+def _received(objects: bytes) -> dict[str, Any]:
+    """Policies that the process which asked has packed."""
+    found: dict[str, Any] = cloudpickle.loads(objects) if objects else {}
+    return found
 
 
 def _done(job: Job, do: Callable[[Setup], None]) -> str | None:
@@ -226,9 +227,8 @@ def _done(job: Job, do: Callable[[Setup], None]) -> str | None:
     try:
         if job.parent is not None and os.getpid() != job.parent:
             _die_with(job.parent)
-        if job.parent != os.getpid():
-            _receive(job.objects)
-        do(_setup(job))
+        with POLICIES.lent({} if job.parent == os.getpid() else _received(job.objects)):
+            do(_setup(job))
     except UserError as error:
         return str(error)
     except (Exception, SystemExit) as error:

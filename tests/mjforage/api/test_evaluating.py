@@ -2,7 +2,12 @@
 
 import importlib
 import sys
+<<<<<<< HEAD
 from collections.abc import Callable
+=======
+import threading
+from concurrent.futures import ThreadPoolExecutor
+>>>>>>> 55ce3ac3 (Objects are known to their own call; maps and vessels that are objects stay themselves in files; scenarios are compared, copied and sent; names of options are looked for first)
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -43,7 +48,7 @@ def test_a_function_does_what_a_class_would(bay: mf.Scenario) -> None:
 
 
 def test_workers_change_no_number(bay: mf.Scenario) -> None:
-    forms = [nearest, drawn, {"held": Eastward(4)}["held"]]
+    forms: list[Any] = [nearest, drawn, Eastward(4)]
     one, two = (
         mf.evaluate(bay, forms, episodes=3, world=("graph",), jobs=jobs, seed=5, **QUIET)
         for jobs in (1, 2)
@@ -271,6 +276,7 @@ def test_a_run_of_a_function_is_filmed_by_whoever_gives_it(
     assert run.frame("later", size=(320, 180)).shape == (180, 320, 3)
 
 
+<<<<<<< HEAD
 def test_a_loaded_run_imports_only_code_that_is_named(
     bay: mf.Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -285,3 +291,40 @@ def test_a_loaded_run_imports_only_code_that_is_named(
         mf.load_run(tmp_path / "run").recording()
     named = mf.load_run(tmp_path / "run", policies="named_east:East")
     assert named.recording().policy == "named_east:East"
+=======
+def test_calls_on_two_threads_play_their_own_functions(bay: mf.Scenario) -> None:
+    both = threading.Barrier(2)
+
+    def going(move: str) -> mf.Run:
+        def steer(view: mf.View) -> dict[str, str]:
+            if view.step == 1:
+                both.wait(60)
+            return dict.fromkeys(view.agents, move)
+
+        return mf.evaluate(bay, steer, episodes=1, **QUIET)
+
+    with ThreadPoolExecutor(2) as pool:
+        east, west = pool.map(going, ("E", "W"))
+    assert east.agents["x_m"].sum() > west.agents["x_m"].sum()
+
+
+def test_a_call_within_a_call_keeps_the_outer_ones_policies(bay: mf.Scenario) -> None:
+    inner: list[mf.Run] = []
+
+    def outer(view: mf.View) -> dict[str, str]:
+        if not inner:
+            inner.append(mf.evaluate(bay, {"inner": drawn}, episodes=1, **QUIET))
+        return {}
+
+    run = mf.evaluate(bay, [outer, drawn], episodes=1, **QUIET)
+    assert run.policies == ("outer", "drawn") and inner[0].policies == ("inner",)
+
+
+def test_a_policy_under_another_name_is_that_policy(bay: mf.Scenario) -> None:
+    wide = {"greedy": "greedy", "near": "greedy(distance=2)", "far": lambda view: {}}
+    run = mf.evaluate(bay, wide, episodes=2, jobs=2, **QUIET)
+    plain = mf.evaluate(bay, "greedy(distance=2)", episodes=2, **QUIET)
+    mine = run.agents.filter(policy="near").drop("policy")
+    assert run.policies == ("greedy", "near", "far")
+    assert_frame_equal(mine, plain.agents.drop("policy"))
+>>>>>>> 55ce3ac3 (Objects are known to their own call; maps and vessels that are objects stay themselves in files; scenarios are compared, copied and sent; names of options are looked for first)

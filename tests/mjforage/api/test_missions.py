@@ -81,3 +81,16 @@ def test_the_physics_world_moves_hulls(bay: mf.Scenario) -> None:
 def test_refusals(bay: mf.Scenario, call: object, words: str) -> None:
     with pytest.raises(mf.UserError, match=words):
         call(mf.make_mission(bay))  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_a_mission_step_by_step_is_the_runs_episode(bay: mf.Scenario, world: str) -> None:
+    run = mf.evaluate(bay, "greedy", episodes=2, seed=3, world=[world], record=(), progress=False)  # type: ignore[list-item]
+    mission = mf.make_mission(bay, world=world)  # type: ignore[arg-type]
+    states = [mission.reset(seed=3, episode=1), *mission.play("greedy")]
+    logged = run.agents.filter(episode=1).sort("step", "agent")
+    nodes = np.concatenate([state.agent_node for state in states])
+    xy = np.concatenate([state.agent_xy_m for state in states])
+    assert nodes.tolist() == logged["node"].to_list()
+    # Logs keep places in 32 bits, counted in nodes, and metres of those.
+    np.testing.assert_allclose(xy, logged.select("x_m", "y_m").to_numpy(), rtol=0, atol=1e-5)

@@ -1,8 +1,11 @@
 """Scenarios and maps as objects: changed, drawn, written and read again."""
 
+import copy
 import dataclasses
+import pickle
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -94,3 +97,33 @@ def test_a_map_is_drawn_with_its_starts(bay: mf.Scenario) -> None:
     [marks] = axes.lines
     marked = np.stack((marks.get_ydata(), marks.get_xdata()), axis=1)
     assert marked.tolist() == [list(cell) for cell in bay.map.starts]
+
+
+@pytest.mark.parametrize("name", ["comb-port", "harbour:combs:7"])
+def test_a_map_named_like_another_stays_its_own(
+    bay: mf.Scenario, name: str, tmp_path: Path
+) -> None:
+    mine = bay.replace(map=mf.Map(bay.map.water, name=name))
+    again = mf.load_scenario(mine.to_file(tmp_path / "mine.toml"))
+    assert np.array_equal(again.map.water, bay.map.water)
+
+
+def test_scenarios_are_equal_by_value_and_can_be_copied_and_sent(bay: mf.Scenario) -> None:
+    sent, other = pickle.loads(pickle.dumps(bay)), bay.replace(horizon=7)  # noqa: S301
+    assert copy.deepcopy(bay) == bay == sent != other
+    assert len({bay, sent, other}) == 2
+    env = gymnasium.make("mjforage/Foraging-v0", scenario=bay)
+    assert env.spec is not None and env.spec.kwargs["scenario"] == bay
+
+
+def test_keys_of_the_map_are_a_table_too(bay: mf.Scenario) -> None:
+    assert bay.replace(map={"pitch_m": 3.0}).map.pitch_m == 3.0
+
+
+def test_a_vessel_that_is_an_object_goes_with_the_scenario(tmp_path: Path) -> None:
+    heavy = dataclasses.replace(mf.load_vessel("otter"), name="heavy", mass_kg=90.0)
+    bay = mf.load_scenario("open-bay", physics={"vessels": {"foragers": heavy}})
+    file = bay.to_file(tmp_path / "bay.toml")
+    moved = tmp_path.rename(tmp_path.with_name("elsewhere")) / file.name
+    name = mf.load_scenario(moved).to_dict()["physics"]["vessels"]["foragers"]
+    assert mf.load_vessel(name).mass_kg == 90.0 and Path(name).parent == moved.parent
