@@ -2,12 +2,9 @@
 
 import importlib
 import sys
-<<<<<<< HEAD
-from collections.abc import Callable
-=======
 import threading
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
->>>>>>> 55ce3ac3 (Objects are known to their own call; maps and vessels that are objects stay themselves in files; scenarios are compared, copied and sent; names of options are looked for first)
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -276,7 +273,6 @@ def test_a_run_of_a_function_is_filmed_by_whoever_gives_it(
     assert run.frame("later", size=(320, 180)).shape == (180, 320, 3)
 
 
-<<<<<<< HEAD
 def test_a_loaded_run_imports_only_code_that_is_named(
     bay: mf.Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -291,7 +287,8 @@ def test_a_loaded_run_imports_only_code_that_is_named(
         mf.load_run(tmp_path / "run").recording()
     named = mf.load_run(tmp_path / "run", policies="named_east:East")
     assert named.recording().policy == "named_east:East"
-=======
+
+
 def test_calls_on_two_threads_play_their_own_functions(bay: mf.Scenario) -> None:
     both = threading.Barrier(2)
 
@@ -327,4 +324,3 @@ def test_a_policy_under_another_name_is_that_policy(bay: mf.Scenario) -> None:
     mine = run.agents.filter(policy="near").drop("policy")
     assert run.policies == ("greedy", "near", "far")
     assert_frame_equal(mine, plain.agents.drop("policy"))
->>>>>>> 55ce3ac3 (Objects are known to their own call; maps and vessels that are objects stay themselves in files; scenarios are compared, copied and sent; names of options are looked for first)

@@ -1,5 +1,7 @@
 """Missions step by step: units, batches, moves and what is refused."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -32,7 +34,8 @@ def test_states_are_copies(bay: mf.Scenario) -> None:
     before = [array.copy() for array in state[3:]]
     for array in state[3:]:
         array[:] = 1
-    for one, now in zip(before, mission.state[3:], strict=True):
+    after: tuple[Any, ...] = mission.state[3:]
+    for one, now in zip(before, after, strict=True):
         assert np.array_equal(one, now, equal_nan=True)
 
 
