@@ -89,7 +89,6 @@ def test_a_map_may_be_a_path(tmp_path: Path) -> None:
         ({"map": 7}, "map = 7: is int; give a name, a file or an array"),
         ({"scenario": 7}, "scenario = 7: is int; give a preset's name"),
         ({"scenario": {"horizon": 3}}, "scenario = {'horizon': 3}: is dict; give a preset's name"),
-        ({"senario": "published"}, "an environment got an unexpected keyword argument 'senario'; "),
     ],
 )
 def test_what_is_not_understood_is_named(given: dict[str, Any], words: str) -> None:
