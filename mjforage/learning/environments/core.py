@@ -29,6 +29,7 @@ class Outcome:
     illegal: NDArray[np.int64]  # (env,) chosen moves that were not legal, or taken by another
     exhausted: NDArray[np.bool_]  # (env, agent) has not the energy for another move
     taken: NDArray[np.int8]  # (env, agent) moves that were made
+    sums: dict[str, NDArray[np.float64]]  # `terms` of the episode so far; live
 
 
 @kernel
@@ -72,7 +73,7 @@ def _how_it_ended(
 class EnvironmentCore:
     """Sub-environments, an episode in each; one is started again whenever its user wants."""
 
-    def __init__(self, options: EnvironmentOptions, num_envs: int = 1) -> None:
+    def __init__(self, options: EnvironmentOptions, num_envs: int = 1, turns: int = 1) -> None:
         """Prepare.
 
         Raises `UserError` if this machine has not the memory for them.
@@ -80,6 +81,7 @@ class EnvironmentCore:
         Parameters
         ----------
         num_envs : episodes side by side; beyond the graph world they are started together
+        turns : steps of the environment in one of the mission, for discounts of a reward
         """
         self.options, self.num_envs = options, num_envs
         self.setup = options.setup
@@ -89,7 +91,8 @@ class EnvironmentCore:
         graph = options.world == "graph"
         self._spare = Mission(self.setup) if graph and num_envs > 1 else None
         self._weights = options.weights
-        self._terms = RewardTerms(self.setup.task, self._weights)
+        self._terms = RewardTerms(self.setup.task, self._weights, turns)
+        self._sums = {name: np.zeros((num_envs, self.agents)) for name in self._weights}
         self._share_happened = BoundKernel(_share_happened)
         self._legal_moves = LegalMoves(self.setup.task)
         self._encoder = create_encoder(options.observation, self.setup.task)
@@ -98,6 +101,8 @@ class EnvironmentCore:
 
     def start(self, envs: NDArray[np.int64], keys: UInt64Array) -> None:
         """Start episodes of the given keys in sub-environments (env,); the first time in all."""
+        for total in self._sums.values():
+            total[envs] = 0.0
         if self._spare is None or not self.started or envs.size == self.num_envs:
             assert envs.size == self.num_envs, "all sub-environments are started together"
             self.mission.start(keys)
@@ -141,9 +146,11 @@ class EnvironmentCore:
         raw = self._terms.after(mission, played)
         terms = {name: self._weights[name] * value for name, value in raw.items()}
         rewards = sum(terms.values(), np.zeros(taken.shape))
+        for name, value in terms.items():
+            self._sums[name] += value
         exhausted, left = self.exhausted, mission.state.item_node
         ends = _how_it_ended(played, mission.active, wanted, taken, exhausted, left)
-        return Outcome(terms, rewards, *ends, exhausted, taken)
+        return Outcome(terms, rewards, *ends, exhausted, taken, self._sums)
 
     @property
     def exhausted(self) -> NDArray[np.bool_]:

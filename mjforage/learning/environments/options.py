@@ -13,7 +13,7 @@ from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import encoder_label
 from mjforage.learning.environments.checks import check_mode
 from mjforage.learning.environments.choices import Overrides, check_known, chosen_setup
-from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
+from mjforage.learning.environments.rewards import reward_weights
 from mjforage.learning.environments.spaces import DTYPES
 from mjforage.mission.setup import Setup
 from mjforage.physics.run_warnings import run_warnings
@@ -27,7 +27,7 @@ class EnvironmentArguments(TypedDict, total=False):
     scenario: str | Path | Scenario
     world: str
     observation: str
-    reward: Mapping[str, float] | None
+    reward: str | Mapping[str, float]
     map: str | Path | NDArray[Any] | list[Any] | None
     set: Overrides
     render_mode: str | None
@@ -45,7 +45,8 @@ class EnvironmentOptions:
     scenario : preset, path of a TOML file, or a scenario
     world : name in `mjforage.physics.worlds.WORLDS`
     observation : reference to an encoder, see `mjforage.graph_planner.encodings.create_encoder`
-    reward : reference to a term -> weight, see `rewards`; absent: the published weights
+    reward : "mission", "published" or "ddqn", or a mapping of terms and such names to weights, see
+        `rewards.reward_weights`
     map : replaces the scenario's grid: a name, generated harbour, path of a table, grid or image;
         or an array (row, column), True or 1 where there is water, on which the fleet starts in a
         cluster
@@ -56,7 +57,7 @@ class EnvironmentOptions:
     scenario: str | Path | Scenario = "comb-port"
     world: str = "graph"
     observation: str = "egocentric"
-    reward: Mapping[str, float] | None = None
+    reward: str | Mapping[str, float] = "mission"
     map: str | Path | NDArray[Any] | list[Any] | None = None
     set: Overrides = ()
     render_mode: str | None = None
@@ -74,8 +75,7 @@ class EnvironmentOptions:
         object.__setattr__(self, "setup", chosen_setup(self.scenario, self.map, self.set))
         for line in run_warnings(self.setup, (self.world,)):
             warn_once(line)
-        weights = PUBLISHED if self.reward is None else self.reward
-        object.__setattr__(self, "weights", checked_weights(weights))
+        object.__setattr__(self, "weights", reward_weights(self.reward))
 
     @classmethod
     def of(cls, arguments: Mapping[str, Any]) -> "EnvironmentOptions":

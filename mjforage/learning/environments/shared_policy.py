@@ -34,7 +34,7 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Arrays, np.int64]):
     metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
 
     def __init__(self, **arguments: Unpack[EnvironmentArguments]) -> None:
-        SingleEnvironment.__init__(self, arguments)
+        SingleEnvironment.__init__(self, arguments, by_turns=True)
         self._claimed = np.zeros(len(self._core.setup.graph), np.int64)
         self._round = 0
         self.observation_space = arrays_space(self._core.shapes, (), self._dtype)

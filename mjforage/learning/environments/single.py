@@ -23,10 +23,11 @@ class SingleEnvironment:
 
     metadata: ClassVar[dict[str, Any]] = METADATA
 
-    def __init__(self, arguments: EnvironmentArguments) -> None:
+    def __init__(self, arguments: EnvironmentArguments, by_turns: bool = False) -> None:
         options = EnvironmentOptions.of(arguments)
         self.render_mode, self._dtype = options.render_mode, options.dtype
-        self._core = EnvironmentCore(options)
+        turns = len(options.setup.fleet) if by_turns else 1
+        self._core = EnvironmentCore(options, turns=turns)
         self._episodes = Episodes()
         self._figure = EpisodeFigure() if options.render_mode else None
 
@@ -67,5 +68,6 @@ def summed(outcome: Outcome) -> tuple[float, bool, bool, dict[str, Any]]:
     info: dict[str, Any] = {"illegal": int(outcome.illegal[0])}
     for name, term in outcome.terms.items():
         info[f"reward/{name}"] = float(term[0].sum())
+    info["episode_terms"] = {name: float(total[0].sum()) for name, total in outcome.sums.items()}
     ended = bool(outcome.terminated[0]), bool(outcome.truncated[0])
     return float(outcome.rewards[0].sum()), *ended, info

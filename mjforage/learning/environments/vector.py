@@ -140,9 +140,11 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         outcome = self._core.step(moves)
         rewards = np.add.reduce(outcome.rewards, axis=1)
         terminated, truncated = outcome.terminated, outcome.truncated
-        played: dict[str, NDArray[Any]] = {"illegal": outcome.illegal}
+        played: dict[str, Any] = {"illegal": outcome.illegal}
         for name, term in outcome.terms.items():
             played[f"reward/{name}"] = np.add.reduce(term, axis=1)
+        sums = {name: np.add.reduce(total, axis=1) for name, total in outcome.sums.items()}
+        played["episode_terms"] = sums
         over = terminated | truncated
         self._ended |= over
         if again is not None and again.any():
@@ -205,18 +207,19 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         return values(levels, self._values[name])
 
     def _laid_out(
-        self, facts: dict[str, NDArray[Any]], valid: NDArray[np.bool_] | None = None
+        self, facts: dict[str, Any], valid: NDArray[np.bool_] | None = None
     ) -> dict[str, Any]:
-        """Facts (env,) beside their masks, by default all True; 0 where False."""
-        if valid is None:
-            valid = np.ones(self.num_envs, np.bool_)
-        elif valid.any():
-            facts = {name: fact * valid for name, fact in facts.items()}
-        else:
+        """Facts (env,) or mappings of them, beside their masks, by default True; 0 where False."""
+        if valid is not None and not valid.any():
             return {}
+        mask = np.ones(self.num_envs, np.bool_) if valid is None else valid
         info: dict[str, Any] = {}
         for name, fact in facts.items():
-            info[name], info["_" + name] = fact, valid.copy()
+            if isinstance(fact, dict):
+                fact = self._laid_out(fact, valid)
+            elif valid is not None:
+                fact = fact * valid
+            info[name], info["_" + name] = fact, mask.copy()
         return info
 
 

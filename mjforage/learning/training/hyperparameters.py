@@ -8,22 +8,10 @@ from typing import Annotated, Any, TypeVar
 
 from mjforage.base.errors import UserError
 from mjforage.base.fields import Within, source
-from mjforage.learning.environments.rewards import checked_weights
+from mjforage.learning.environments.rewards import DDQN, checked_weights
 from mjforage.scenario.schema import check, check_fields
 
 WHERE = "learning settings"  # where settings come from, for messages
-
-REWARD = MappingProxyType(
-    {
-        "removed": 0.5,
-        "team_removed": 2.0,
-        "discovered": 0.5,
-        "idleness": 0.01,
-        "approach": 0.05,
-        "time": -0.02,
-    }
-)
-"""Weights that we train with: items count, for all, and what leads to them; the clock ticks."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +30,7 @@ class CommonHyperparameters:
     """Updates between two evaluations."""
     evaluate_episodes: Annotated[int, Within(1, 100_000)] = 48
     """Episodes of an evaluation."""
-    reward: Mapping[str, float] = field(default_factory=lambda: REWARD)
+    reward: Mapping[str, float] = field(default_factory=lambda: MappingProxyType(DDQN))
     """Weight of each term of the reward."""
     vary: Mapping[str, tuple[Any, ...]] = field(default_factory=lambda: MappingProxyType({}))
     """Keys of the scenario, each with values: an episode draws one of each, all equally likely."""

@@ -2,6 +2,11 @@
 
 | term | meaning of one unit |
 |---|---|
+| collected | all items of the episode, removed by anyone; shared equally by all agents |
+| early | the same, times the share of the horizon that is left |
+| known | potential: all items discovered by this agent and afloat |
+| reach | potential: all items discovered and at the node of this agent (that collects) |
+| fresh | potential: a map without idleness; shared equally by all agents |
 | removed | an item removed by this agent |
 | team_removed | an item removed by anyone, shared equally by all agents |
 | discovered | an item first discovered by this agent |
@@ -12,16 +17,15 @@
 | blocked | a decision without a legal move |
 | time | a decision of an episode that is not over |
 
-One class in one file each. A file that is put beside these is found without an edit elsewhere; a
-class in a package of your own is found by the entry point `mjforage.rewards` or by
-`package.module:Class`.
+A potential's term is its discounted difference, see the module `potentials`. One class in one file
+each. A file that is put beside these is found without an edit elsewhere; a class in a package of
+your own is found by the entry point `mjforage.rewards` or by `package.module:Class`.
 """
 
 import importlib
 import pkgutil
 
 from mjforage.learning.environments.rewards.known import (
-    PUBLISHED,
     REWARDS,
     RewardTerms,
     checked_names,
@@ -31,9 +35,17 @@ from mjforage.learning.environments.rewards.known import (
     reward,
     term_class,
 )
+from mjforage.learning.environments.rewards.presets import (
+    DDQN,
+    PRESETS,
+    PUBLISHED,
+    reward_weights,
+)
 from mjforage.learning.environments.rewards.term import Amounts, Before, Step, Term
 
 __all__ = [
+    "DDQN",
+    "PRESETS",
     "PUBLISHED",
     "REWARDS",
     "Amounts",
@@ -46,6 +58,7 @@ __all__ = [
     "create_term",
     "labelled",
     "reward",
+    "reward_weights",
     "term_class",
 ]
 

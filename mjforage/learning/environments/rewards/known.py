@@ -17,10 +17,6 @@ from mjforage.mission.task import Task
 
 REWARDS: Registry[Callable[..., Term]] = Registry("reward", "mjforage.rewards")
 
-PUBLISHED = {"belief": 2.12, "removed": 5.91, "idleness": 2.23, "distance": -1.7}
-"""Weights of the published experiments (definitions, section 3)."""
-
-
 reward = REWARDS.register
 """Class decorator that makes a term known under a name, as `Registry.register`."""
 
@@ -51,7 +47,7 @@ def create_term(text: str) -> Term:
 class RewardTerms:
     """Computes the chosen terms of a batch at every step."""
 
-    def __init__(self, task: Task, names: Iterable[str]) -> None:
+    def __init__(self, task: Task, names: Iterable[str], turns: int = 1) -> None:
         """Prepare.
 
         Raises `UserError` as `create_term`.
@@ -59,8 +55,9 @@ class RewardTerms:
         Parameters
         ----------
         names : references to terms
+        turns : steps of the environment in one of the mission, see `Step`
         """
-        self._task, self._workspace = task, Workspace.of(len(task.graph))
+        self._task, self._workspace, self._turns = task, Workspace.of(len(task.graph)), turns
         self._copy: Before | None = None
         self._views = CachedViews[Before]()
         self._terms = {name: create_term(name) for name in names}
@@ -70,7 +67,7 @@ class RewardTerms:
         """Copy the state that the next one is compared with; call before every step."""
         live, copied = Before.of(mission), self._copy
         arrays: tuple[NDArray[Any], ...] = live
-        if copied is None or copied.belief.shape != live.belief.shape:
+        if copied is None or [one.shape for one in copied] != [one.shape for one in arrays]:
             self._copy = copied = Before._make(np.empty_like(each) for each in arrays)
         own: tuple[NDArray[Any], ...] = copied
         for mine, theirs in zip(own, arrays, strict=True):
@@ -84,7 +81,7 @@ class RewardTerms:
         Raises `UserError` if a term of a user gives an array of another shape, or a number that is
         not finite.
         """
-        step = Step(mission, self._before, self._task, self._workspace)
+        step = Step(mission, self._before, self._task, self._workspace, self._turns)
         found = {name: term(step) for name, term in self._terms.items()}
         for name in self._theirs:
             found[name] = _sound(name, found[name], step)

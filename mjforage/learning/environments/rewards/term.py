@@ -22,12 +22,15 @@ class Before(NamedTuple):
     known: Int32Array  # (episode, node) the first `n_known` entries
     n_known: Int32Array  # (episode,)
     step: Int32Array  # (episode,)
+    item_node: Int32Array  # (episode, item), -1 for those that are removed
+    energy_left: NDArray[np.float64]  # (episode, agent) [node]
 
     @classmethod
     def of(cls, mission: Mission) -> "Before":
         """Live arrays of a mission."""
         known, at = mission.knowledge, mission.state.agent_node
-        return cls(known.belief, known.last_seen, at, known.known, known.n_known, mission.step)
+        seen = known.belief, known.last_seen, at, known.known, known.n_known
+        return cls(*seen, mission.step, mission.state.item_node, known.energy_left)
 
 
 class Step(Cache):
@@ -38,12 +41,17 @@ class Step(Cache):
     mission : Mission after the step; its arrays are live and read-only
     before : what was known before it, and where the agents were; of this step only
     task : Task, the map and the fleet
+    after : the same as `before`, of now; live
     workspace : room for searches of the map
+    turns : steps of the environment that this one is: 1, or one for each agent's decision
     """
 
-    def __init__(self, mission: Mission, before: Before, task: Task, workspace: Workspace) -> None:
+    def __init__(
+        self, mission: Mission, before: Before, task: Task, workspace: Workspace, turns: int = 1
+    ) -> None:
         super().__init__()
         self.mission, self.before, self.task, self.workspace = mission, before, task, workspace
+        self.after, self.turns = Before.of(mission), turns
 
 
 class Term(Protocol):

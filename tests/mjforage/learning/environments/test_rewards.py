@@ -5,7 +5,7 @@ import pytest
 
 import mjforage
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.rewards import PUBLISHED, REWARDS, RewardTerms
+from mjforage.learning.environments.rewards import REWARDS, RewardTerms
 from mjforage.learning.environments.rewards.items_gained import _count
 from mjforage.learning.environments.rewards.term import Before
 from mjforage.mission.dynamics import ARRIVED, BLOCKED
@@ -14,13 +14,30 @@ from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario_file import load_scenario
 
 
-def test_the_published_weights() -> None:
-    assert PUBLISHED == {"belief": 2.12, "removed": 5.91, "idleness": 2.23, "distance": -1.7}
-
-
 @pytest.fixture(scope="module")
 def setup() -> Setup:
     return Setup.of(load_scenario("published", ("horizon=60",)))
+
+
+def potentials(mission: Mission, at: Before, e: int) -> dict[str, np.ndarray]:
+    """Each potential (agent,) of an episode, where no energy has an end."""
+    graph, fleet, ledger = mission.setup.graph, mission.setup.fleet, mission.ledger
+    afloat, found = at.item_node[e] >= 0, ledger.t_discovered[e]
+    items = ((mission.state.item_node[e] >= 0) | (ledger.t_collected[e] >= 0)).sum()
+    seen = afloat & (found >= 0) & (found <= at.step[e])
+    away = graph.distances[at.agent_node[e]][:, at.item_node[e][seen]].astype(float)
+    away[~fleet.collects] = np.inf
+    reach = np.zeros(len(fleet))
+    np.add.at(reach, away.argmin(axis=0), 0.85 ** away.min(axis=0))
+    unseen_for = at.step[e] - at.last_seen[e].astype(float)
+    fresh = 1.0 - np.minimum(1.0, unseen_for * mission.task.forgetting).mean()
+    by = ledger.discovered_by[e][:, None] == np.arange(len(fleet))
+    worth = {
+        "known": (by & seen[:, None]).sum(axis=0) / items,
+        "reach": reach / items,
+        "fresh": np.full(len(fleet), fresh / len(fleet)),
+    }
+    return {name: value * afloat.any() for name, value in worth.items()}
 
 
 def test_terms_by_their_definitions(setup: Setup) -> None:
@@ -53,6 +70,8 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
             entries = mission.ledger
             first_seen = entries.t_discovered[e] == mission.step[e]
             assert (mission.state.outcome[e] == ARRIVED).all()
+            share = new.sum() / mission.initial.n_items[e] / 4
+            was, is_now = (potentials(mission, at, e) for at in (old, Before.of(mission)))
             for a, view in enumerate(views):
                 here = mission.state.agent_node[e, a]
                 now_known = np.flatnonzero(known.belief[e])
@@ -64,6 +83,9 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
                     gain = before - graph.distances[here, was_known].min()
                 removed = (new & (mission.state.collected_by[e] == a)).sum()
                 expected = {
+                    "collected": share,
+                    "early": share * (1.0 - mission.step[e] / 60),
+                    **{name: 0.99 * is_now[name][a] - was[name][a] for name in was},
                     "removed": removed,
                     "team_removed": new.sum() / 4,
                     "discovered": (first_seen & (entries.discovered_by[e] == a)).sum(),
@@ -83,7 +105,7 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
     assert sums["removed"] == (mission.ledger.t_collected >= 0).sum() <= total
     later = (mission.ledger.t_discovered > 0).sum()
     assert sums["discovered"] == later > sums["removed"], "scouts find more than is removed"
-    assert all(sums[name] != 0.0 for name in ("belief", "idleness", "distance", "approach"))
+    assert all(sums[name] != 0.0 for name in REWARDS.names() if name != "blocked")
 
 
 def test_an_agent_without_a_legal_move_is_blocked_and_the_others_are_not() -> None:

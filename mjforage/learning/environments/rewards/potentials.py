@@ -1,0 +1,181 @@
+"""Terms that are differences of potentials: what knowledge and places are worth.
+
+A potential Phi is a number of each agent and state, and its term is gamma Phi(after) - Phi(before).
+Such terms do not change which policy is best for a learner whose discount per step is gamma (Ng,
+Harada, Russell, *Policy invariance under reward transformations*, 1999), nor, one potential for
+each agent, which joint policies are equilibria (Devlin, Kudenko, *Theoretical considerations of
+potential-based reward shaping for multi-agent systems*, 2011). For that Phi is 0 in states in which
+the agent's episode is over: no item is left, or it has not the energy for another move. At a
+truncation it stays, as the value from which learners go on there does.
+"""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.graph_planner.graph.geodesics import (
+    FAR,
+    Float32Array,
+    Int32Array,
+    Workspace,
+    canonical,
+    spread,
+)
+from mjforage.learning.environments.rewards.known import reward
+from mjforage.learning.environments.rewards.term import Amounts, Before, Step
+from mjforage.mission.ledger import Ledger
+from mjforage.mission.task import TaskArrays
+
+GAMMA = 0.99
+"""Discount per step that Stable-Baselines3 and others have by default, and so has `ddqn`."""
+
+
+class Potential(ABC):
+    """Base of the terms."""
+
+    def __init__(self, gamma: float = GAMMA) -> None:
+        if not 0.0 <= gamma <= 1.0:
+            raise ValueError(f"gamma = {gamma}: give 0 to 1, the discount of the learner")
+        self._gamma = gamma
+
+    def __call__(self, step: Step) -> Amounts:
+        """(episode, agent) what the potential gained, discounted."""
+        gamma = self._gamma**step.turns
+        before, after = (self._ongoing(step, at) for at in (step.before, step.after))
+        return gamma * after - before
+
+    def _ongoing(self, step: Step, at: Before) -> Amounts:
+        left = (at.item_node >= 0).any(axis=1)[:, None] & (at.energy_left >= 1.0)
+        return np.where(left, self.value(step, at), 0.0)
+
+    @abstractmethod
+    def value(self, step: Step, at: Before) -> Amounts:
+        """(episode, agent) the potential of a state."""
+
+
+@kernel
+def _known(ledger: Ledger, item_node: Int32Array, step: Int32Array, out: Amounts) -> None:
+    """Items that are discovered and afloat, by agent that discovered them, over all items."""
+    found, taken, by = ledger.t_discovered, ledger.t_collected, ledger.discovered_by
+    for e in range(step.size):
+        out[e], items = 0.0, 0
+        for k in range(item_node.shape[1]):
+            items += item_node[e, k] >= 0 or taken[e, k] >= 0
+            if item_node[e, k] >= 0 and 0 <= found[e, k] <= step[e] and by[e, k] >= 0:
+                out[e, by[e, k]] += 1.0
+        out[e] /= max(items, 1)
+
+
+@reward("known")
+class Known(Potential):
+    """Potential of the items that an agent discovered and that are still afloat."""
+
+    def value(self, step: Step, at: Before) -> Amounts:
+        """(episode, agent) share of all items."""
+        out = np.empty(at.agent_node.shape)
+        _known(step.mission.ledger, at.item_node, at.step, out)
+        return out
+
+
+@kernel
+def _within_reach(
+    arrays: TaskArrays,
+    ledger: Ledger,
+    item_node: Int32Array,
+    agent_node: Int32Array,
+    energy_left: NDArray[np.float64],
+    step: Int32Array,
+    decay: float,
+    workspace: Workspace,
+    out: Amounts,
+) -> None:
+    """Discovered items, by collector that is nearest, each decay^distance, over all items."""
+    items, agents = item_node.shape[1], agent_node.shape[1]
+    nodes, nearest = np.empty(items, np.int32), np.empty(items)
+    whose = np.empty(items, np.int64)
+    for e in range(step.size):
+        out[e], n, total = 0.0, 0, 0
+        for k in range(items):
+            total += item_node[e, k] >= 0 or ledger.t_collected[e, k] >= 0
+            if item_node[e, k] >= 0 and 0 <= ledger.t_discovered[e, k] <= step[e]:
+                nodes[n] = item_node[e, k]
+                n += 1
+        nearest[:n] = FAR
+        for a in range(agents):
+            if arrays.collects[a] and energy_left[e, a] >= 1.0:
+                _nearer(arrays, nodes[:n], a, agent_node[e, a], workspace, nearest, whose)
+        for i in range(n):
+            if nearest[i] < FAR:
+                out[e, whose[i]] += decay ** nearest[i] / total
+
+
+@kernel
+def _nearer(
+    arrays: TaskArrays,
+    nodes: Int32Array,
+    agent: int,
+    at: int,
+    workspace: Workspace,
+    nearest: NDArray[np.float64],
+    whose: NDArray[np.int64],
+) -> None:
+    """Note an agent for those nodes to which it is nearer than the agents before it."""
+    table: Float32Array = arrays.distances
+    distance, touched, reached = workspace.distance, workspace.touched, 0
+    if table.shape[0] == 0:
+        reached = spread(arrays.neighbours, np.array([at], np.int32), nodes, workspace)
+    for i in range(nodes.size):
+        far = np.float64(table[at, nodes[i]]) if table.shape[0] else canonical(distance[nodes[i]])
+        if far < nearest[i]:
+            nearest[i], whose[i] = far, agent
+    for j in range(reached):
+        distance[touched[j]] = FAR
+
+
+@reward("reach")
+class WithinReach(Potential):
+    """Potential of discovered items near a collector, each for the one that is nearest to it.
+
+    Parameters
+    ----------
+    decay : value of an item at a distance of one node, of one at the collector's own node
+    """
+
+    def __init__(self, gamma: float = GAMMA, decay: float = 0.85) -> None:
+        super().__init__(gamma)
+        if not 0.0 < decay < 1.0:
+            raise ValueError(f"decay = {decay}: give more than 0 and less than 1")
+        self._decay, self._within_reach = decay, BoundKernel(_within_reach)
+
+    def value(self, step: Step, at: Before) -> Amounts:
+        """(episode, agent) share of all items."""
+        out = np.empty(at.agent_node.shape)
+        about = step.task.arrays, step.mission.ledger, at.item_node, at.agent_node
+        self._within_reach(*about, at.energy_left, at.step, self._decay, step.workspace, out)
+        return out
+
+
+@kernel
+def _freshness(
+    last_seen: NDArray[np.int16], step: Int32Array, forgetting: float
+) -> NDArray[np.float64]:
+    """(episode,) mean over nodes of 1 - idleness."""
+    out = np.empty(step.size)
+    for e in range(step.size):
+        total = 0.0
+        for node in range(last_seen.shape[1]):
+            total += min(1.0, (step[e] - np.int64(last_seen[e, node])) * forgetting)
+        out[e] = 1.0 - total / last_seen.shape[1]
+    return out
+
+
+@reward("fresh")
+class Fresh(Potential):
+    """Potential of a map that was seen a short time ago, shared by all agents alike."""
+
+    def value(self, step: Step, at: Before) -> Amounts:
+        """(episode, agent) 1 - mean idleness, over the number of agents."""
+        fresh = _freshness(at.last_seen, at.step, step.task.forgetting)
+        return np.repeat(fresh[:, None], at.agent_node.shape[1], axis=1) / at.agent_node.shape[1]

@@ -1,0 +1,74 @@
+"""Rewards by name: weights of terms."""
+
+from collections.abc import Callable, Mapping
+
+from mjforage.base.errors import UserError
+from mjforage.base.references import bind, nearest, parse_reference
+from mjforage.learning.environments.rewards.known import checked_weights
+from mjforage.learning.environments.rewards.potentials import GAMMA
+
+PUBLISHED = {"belief": 2.12, "removed": 5.91, "idleness": 2.23, "distance": -1.7}
+"""Weights of the published experiments (definitions, section 3)."""
+
+DDQN = {
+    "removed": 0.5,
+    "team_removed": 2.0,
+    "discovered": 0.5,
+    "idleness": 0.01,
+    "approach": 0.05,
+    "time": -0.02,
+}
+"""Weights that our own algorithms train with, and the shipped weights were trained with."""
+
+
+def mission(gamma: float = GAMMA) -> dict[str, float]:
+    """Items removed and when; what leads to them as potentials."""
+    return {
+        "collected": 100.0,
+        "early": 10.0,
+        f"known(gamma={gamma})": 4.0,
+        f"reach(gamma={gamma})": 20.0,
+        f"fresh(gamma={gamma})": 2.0,
+    }
+
+
+PRESETS: dict[str, Callable[..., dict[str, float]]] = {
+    "mission": mission,
+    "published": lambda: PUBLISHED,
+    "ddqn": lambda: DDQN,
+}
+
+
+def reward_weights(reward: str | Mapping[str, float]) -> dict[str, float]:
+    """Weights of the terms of a reward.
+
+    Raises `UserError` as `checked_weights`, and if a name is not known.
+
+    Parameters
+    ----------
+    reward : name of `PRESETS`, with options in parentheses; or names of terms and presets, each
+        with a weight: a preset's weights are multiplied by its own, and terms replace those of
+        presets
+    """
+    if isinstance(reward, str):
+        if parse_reference(reward, "reward").name not in PRESETS:
+            raise UserError(f"reward = {reward!r}: unknown; {nearest(reward, PRESETS)}")
+        reward = {reward: 1.0}
+    if not isinstance(reward, Mapping):
+        return checked_weights(reward)
+    presets = {text: _preset(text) for text in reward if isinstance(text, str)}
+    found = {
+        term: own * reward[text]
+        for text, weights in presets.items()
+        for term, own in (weights or {}).items()
+    }
+    return checked_weights(found | {t: w for t, w in reward.items() if not presets.get(t)})
+
+
+def _preset(text: str) -> dict[str, float] | None:
+    """Weights of a preset, None for what is none."""
+    reference = parse_reference(text, "reward")
+    if reference.name not in PRESETS:
+        return None
+    made = PRESETS[reference.name]
+    return made(**bind(made, reference, "reward")[1])
