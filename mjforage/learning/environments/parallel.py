@@ -96,7 +96,7 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Arrays, int]):  # 
         for a in present:
             for name, term in outcome.terms.items():
                 infos[a][f"reward/{name}"] = float(term[0, index[a]])
-                infos[a]["episode_terms"][name] = float(outcome.sums[name][0, index[a]])
+                infos[a][f"episode_terms/{name}"] = float(outcome.sums[name][0, index[a]])
         self.agents = [a for a in present if not (terminated[a] or truncated[a])]
         return observations, rewards, terminated, truncated, infos
 
@@ -126,12 +126,11 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Arrays, int]):  # 
         levels, masks, facts = self._seen(), self._core.masks[0], self._core.fact()
         observations: dict[str, Arrays] = {}
         infos: dict[str, dict[str, Any]] = {}
-        weights = self._core.options.weights
-        nothing = {f"reward/{name}": 0.0 for name in weights}
+        weights, kinds = self._core.options.weights, ("reward", "episode_terms")
+        nothing = {f"{kind}/{name}": 0.0 for kind in kinds for name in weights}
         for i, agent in enumerate(self.possible_agents):
             if agent in agents:
                 seen: Arrays = {n: shown(level[i], self._dtype) for n, level in levels.items()}
                 observations[agent] = {**seen, MASK: masks[i].copy()}
-                sums = dict.fromkeys(weights, 0.0)
-                infos[agent] = {**nothing, "episode_terms": sums, **facts}
+                infos[agent] = {**nothing, **facts}
         return observations, infos

@@ -68,6 +68,6 @@ def summed(outcome: Outcome) -> tuple[float, bool, bool, dict[str, Any]]:
     info: dict[str, Any] = {"illegal": int(outcome.illegal[0])}
     for name, term in outcome.terms.items():
         info[f"reward/{name}"] = float(term[0].sum())
-    info["episode_terms"] = {name: float(total[0].sum()) for name, total in outcome.sums.items()}
+        info[f"episode_terms/{name}"] = float(outcome.sums[name][0].sum())
     ended = bool(outcome.terminated[0]), bool(outcome.truncated[0])
     return float(outcome.rewards[0].sum()), *ended, info

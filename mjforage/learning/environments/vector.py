@@ -140,11 +140,10 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         outcome = self._core.step(moves)
         rewards = np.add.reduce(outcome.rewards, axis=1)
         terminated, truncated = outcome.terminated, outcome.truncated
-        played: dict[str, Any] = {"illegal": outcome.illegal}
+        played: dict[str, NDArray[Any]] = {"illegal": outcome.illegal}
         for name, term in outcome.terms.items():
             played[f"reward/{name}"] = np.add.reduce(term, axis=1)
-        sums = {name: np.add.reduce(total, axis=1) for name, total in outcome.sums.items()}
-        played["episode_terms"] = sums
+            played[f"episode_terms/{name}"] = np.add.reduce(outcome.sums[name], axis=1)
         over = terminated | truncated
         self._ended |= over
         if again is not None and again.any():
@@ -207,19 +206,18 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         return values(levels, self._values[name])
 
     def _laid_out(
-        self, facts: dict[str, Any], valid: NDArray[np.bool_] | None = None
+        self, facts: dict[str, NDArray[Any]], valid: NDArray[np.bool_] | None = None
     ) -> dict[str, Any]:
-        """Facts (env,) or mappings of them, beside their masks, by default True; 0 where False."""
-        if valid is not None and not valid.any():
+        """Facts (env,) beside their masks, by default all True; 0 where False."""
+        if valid is None:
+            valid = np.ones(self.num_envs, np.bool_)
+        elif valid.any():
+            facts = {name: fact * valid for name, fact in facts.items()}
+        else:
             return {}
-        mask = np.ones(self.num_envs, np.bool_) if valid is None else valid
         info: dict[str, Any] = {}
         for name, fact in facts.items():
-            if isinstance(fact, dict):
-                fact = self._laid_out(fact, valid)
-            elif valid is not None:
-                fact = fact * valid
-            info[name], info["_" + name] = fact, mask.copy()
+            info[name], info["_" + name] = fact, valid.copy()
         return info
 
 

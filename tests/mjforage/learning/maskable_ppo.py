@@ -32,9 +32,8 @@ def trained(reward: Any, seed: int, decisions: int) -> MaskablePPO:
     def make() -> gymnasium.Env[Any, Any]:
         return gymnasium.make("mjforage/SharedPolicy-v0", scenario=SCENARIO, reward=reward)
 
-    batch = {"n_steps": 512, "batch_size": 512}
     envs = DummyVecEnv([make] * ENVIRONMENTS)
-    model = MaskablePPO("MultiInputPolicy", envs, seed=seed, device="cpu", **batch)
+    model = MaskablePPO("MultiInputPolicy", envs, n_steps=512, batch_size=512, seed=seed)
     return model.learn(decisions)
 
 

@@ -91,8 +91,10 @@ def ranks(found: Mapping[str, Mapping[str, Values]]) -> Iterator[tuple[str, str,
 
 def correlation(found: Mapping[str, Mapping[str, Values]]) -> float:
     """Of return and PTA_C, over the episodes of all policies."""
-    pooled = (np.concatenate([one[key] for one in found.values()]) for key in ("return", "pta_c"))
-    return float(np.corrcoef(*pooled)[0, 1])
+    returns, shares = (
+        np.concatenate([one[key] for one in found.values()]) for key in ("return", "pta_c")
+    )
+    return float(np.corrcoef(returns, shares)[0, 1])
 
 
 def main(words: Sequence[str] | None = None) -> None:

@@ -47,7 +47,7 @@ class Potential(ABC):
         return gamma * after - before
 
     def _ongoing(self, step: Step, at: Before) -> Amounts:
-        left = (at.item_node >= 0).any(axis=1)[:, None] & (at.energy_left >= 1.0)
+        left = (at.item_node >= 0).any(axis=1, keepdims=True) & (at.energy_left >= 1.0)
         return np.where(left, self.value(step, at), 0.0)
 
     @abstractmethod
@@ -177,5 +177,6 @@ class Fresh(Potential):
 
     def value(self, step: Step, at: Before) -> Amounts:
         """(episode, agent) 1 - mean idleness, over the number of agents."""
+        agents = len(step.task.fleet)
         fresh = _freshness(at.last_seen, at.step, step.task.forgetting)
-        return np.repeat(fresh[:, None], at.agent_node.shape[1], axis=1) / at.agent_node.shape[1]
+        return np.repeat(fresh[:, None] / agents, agents, axis=1)

@@ -96,14 +96,16 @@ def test_an_agent_that_is_over_has_no_potential() -> None:
     few = (*FEW, "team.scouts.moves=1", "team.scouts.energy=2")
     env = mjforage.parallel_env(set=few, reward={"fresh(gamma=1)": 1.0})
     env.reset(seed=3)
-    rng, first, sums = np.random.default_rng(0), {}, {}
+    rng = np.random.default_rng(0)
+    first: dict[str, bool] = {}
+    sums: dict[str, float] = {}
     while env.agents:
         masks = env.core.masks[0]
         chosen = dict(
             zip(env.possible_agents, (rng.random(masks.shape) * masks).argmax(1), strict=True)
         )
         *_, truncated, infos = env.step(chosen)
-        sums |= {agent: infos[agent]["episode_terms"]["fresh(gamma=1)"] for agent in infos}
+        sums |= {agent: infos[agent]["episode_terms/fresh(gamma=1)"] for agent in infos}
         first |= {agent: truncated[agent] for agent in infos}
     assert first == {"scouts_0": False, "scouts_1": False, "foragers_0": True, "foragers_1": True}
     assert sums["scouts_0"] == sums["scouts_1"] < -0.002
@@ -122,9 +124,10 @@ def test_an_episode_has_sums_of_its_terms(name: str) -> None:
             total, over = total + float(reward), terminated or truncated
             for term in by_term:
                 by_term[term] += info.get(f"reward/{term}", 0.0)
-        assert info["episode_terms"] == pytest.approx(by_term)
-        assert sum(info["episode_terms"].values()) == pytest.approx(total)
-        assert info["episode_terms"]["collected"] == pytest.approx(info["pta_c"])
+        sums = {term: info[f"episode_terms/{term}"] for term in by_term}
+        assert sums == pytest.approx(by_term)
+        assert sum(sums.values()) == pytest.approx(total)
+        assert sums["collected"] == pytest.approx(info["pta_c"])
 
 
 @pytest.mark.parametrize("mode", list(AutoresetMode))
@@ -139,9 +142,9 @@ def test_a_batch_has_the_sums_of_each_episode(mode: AutoresetMode) -> None:
         over = terminated | truncated
         last = info["final_info"] if mode is AutoresetMode.SAME_STEP and over.any() else info
         for env in np.flatnonzero(over):
-            assert last["_episode_terms"][env]
-            sums = [last["episode_terms"][term][env] for term in reward_weights("mission")]
-            assert sum(sums) == pytest.approx(returns[env])
+            keys = [f"episode_terms/{term}" for term in reward_weights("mission")]
+            assert all(last[f"_{key}"][env] for key in keys)
+            assert sum(last[key][env] for key in keys) == pytest.approx(returns[env])
         returns[over], ended = 0.0, ended + over.sum()
         if mode is AutoresetMode.DISABLED and over.any():
             envs.reset(options={"reset_mask": over})

@@ -71,7 +71,7 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
             first_seen = entries.t_discovered[e] == mission.step[e]
             assert (mission.state.outcome[e] == ARRIVED).all()
             share = new.sum() / mission.initial.n_items[e] / 4
-            was, is_now = (potentials(mission, at, e) for at in (old, Before.of(mission)))
+            was, is_now = (potentials(mission, at, int(e)) for at in (old, Before.of(mission)))
             for a, view in enumerate(views):
                 here = mission.state.agent_node[e, a]
                 now_known = np.flatnonzero(known.belief[e])
