@@ -101,7 +101,7 @@ def parallel_env(
     *,
     world: str = "graph",
     observation: str = "egocentric",
-    reward: Any = None,
+    reward: Any = "mission",
     map: Any = None,
     set: Any = (),
     render_mode: str | None = None,
@@ -114,7 +114,7 @@ def parallel_env(
     scenario : of `load_scenario`, a shipped name, or a TOML file
     world : one of `mf.names("worlds")`
     observation : one of `mf.names("observations")`, or ``package.module:Class``
-    reward : weights by term, see docs/howto/reward.md; None: the default
+    reward : "mission", "published", "ddqn", or weights by term, see docs/howto/reward.md
     map : another grid: a name, a file, or an array (rows, columns), True for water
     set : changed keys, such as ``{"horizon": 60}`` or ``["horizon=60"]``
     render_mode : "rgb_array", or None: no pictures

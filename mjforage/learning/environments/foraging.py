@@ -33,7 +33,8 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Arrays, NDArray[np.int64]]):
     The tables, with units, are in `graph_planner.encodings`. Over a link each agent's arrays show
     what it has seen and received itself.
 
-    **Reward** the sum over agents and terms; `info["reward/<term>"]` has each weighted term's.
+    **Reward** the sum over agents and terms; `info["reward/<term>"]` has each weighted term's, and
+    `info["episode_terms/<term>"]` their sums since the episode began.
     **End** terminated when no item is left or no agent has energy; truncated at the horizon.
     **Episode** decided by the seed of the last `reset(seed=...)` and the number of resets since.
     """

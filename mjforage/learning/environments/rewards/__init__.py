@@ -35,6 +35,7 @@ from mjforage.learning.environments.rewards.known import (
     reward,
     term_class,
 )
+from mjforage.learning.environments.rewards.potentials import Potential
 from mjforage.learning.environments.rewards.presets import (
     DDQN,
     PRESETS,
@@ -50,6 +51,7 @@ __all__ = [
     "REWARDS",
     "Amounts",
     "Before",
+    "Potential",
     "RewardTerms",
     "Step",
     "Term",

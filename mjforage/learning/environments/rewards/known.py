@@ -122,7 +122,7 @@ def labelled(weights: Mapping[str, float]) -> dict[str, float]:
         name = str(REWARDS.bound(text)[0])
         if name in found:
             raise UserError(f"reward {name}: given twice; give it one weight")
-        found[name] = _finite(name, weight)
+        found[name] = finite(name, weight)
     return found
 
 
@@ -132,10 +132,11 @@ def checked_names(weights: Mapping[str, float], known: Iterable[str]) -> dict[st
     for name in weights:
         if name not in names:
             raise UserError(f"reward {name}: unknown; {nearest(name, names)}")
-    return {name: _finite(name, weight) for name, weight in weights.items() if weight}
+    return {name: finite(name, weight) for name, weight in weights.items() if weight}
 
 
-def _finite(name: str, weight: float) -> float:
+def finite(name: str, weight: float) -> float:
+    """A weight. Raises `UserError` if it is no finite number."""
     if not isinstance(weight, int | float) or not np.isfinite(weight):
         raise UserError(f"reward {name} = {weight!r}: give a finite number")
     return float(weight)

@@ -39,14 +39,18 @@ def test_names_of_rewards() -> None:
     assert reward_weights("published") == published
     assert reward_weights("ddqn") == Hyperparameters().reward
     assert EnvironmentOptions().weights == reward_weights("mission")
-    terms = reward_weights({"mission(gamma=0.9)": 2.0, "fresh(gamma=0.9)": 0.0, "blocked": -1})
+    terms = reward_weights({"fresh": 0.0, "mission": 2.0, "blocked": -1})
     assert terms == {
         "collected": 200.0,
         "early": 20.0,
-        "known(gamma=0.9)": 8.0,
-        "reach(gamma=0.9)": 40.0,
+        "known": 8.0,
+        "reach": 40.0,
         "blocked": -1.0,
     }
+    assert reward_weights({"ddqn": 2, "published": 1})["removed"] == 2 * 0.5 + 5.91
+    assert "reach(gamma=0.9)" in reward_weights("mission(gamma=0.9)")
+    with pytest.raises(UserError, match="reward mission = 'x': give a finite number"):
+        EnvironmentOptions(reward={"mission": "x"})  # type: ignore[dict-item]
     for wrong, said in {"mision": "did you mean mission?", "mission(gama=1)": "gamma"}.items():
         with pytest.raises(UserError, match=said):
             EnvironmentOptions(reward=wrong)
