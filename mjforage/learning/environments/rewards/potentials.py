@@ -32,6 +32,14 @@ GAMMA = 0.99
 """Discount per step that Stable-Baselines3 and others have by default, and so has `ddqn`."""
 
 
+def _ongoing(step: Step) -> list[NDArray[np.bool_]]:
+    """(episode, agent) whose episode is not over, before a step and after it."""
+    return [
+        (at.item_node >= 0).any(axis=1, keepdims=True) & (at.energy_left >= 1.0)
+        for at in (step.before, step.after)
+    ]
+
+
 class Potential(ABC):
     """Base of the terms."""
 
@@ -43,12 +51,9 @@ class Potential(ABC):
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) what the potential gained, discounted."""
         gamma = self._gamma**step.turns
-        before, after = (self._ongoing(step, at) for at in (step.before, step.after))
-        return gamma * after - before
-
-    def _ongoing(self, step: Step, at: Before) -> Amounts:
-        left = (at.item_node >= 0).any(axis=1, keepdims=True) & (at.energy_left >= 1.0)
-        return np.where(left, self.value(step, at), 0.0)
+        before, after = (self.value(step, at) for at in (step.before, step.after))
+        ongoing = step.cached(_ongoing)
+        return gamma * (after * ongoing[1]) - before * ongoing[0]
 
     @abstractmethod
     def value(self, step: Step, at: Before) -> Amounts:
