@@ -2,10 +2,10 @@
 
 import os
 import reprlib
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from math import inf
 from pathlib import Path
-from typing import cast, get_args
+from typing import Any, cast, get_args
 
 import numpy as np
 
@@ -82,6 +82,20 @@ def path(name: str, value: object) -> Path:
     return Path(value)
 
 
+def values(name: str, given: object) -> dict[str, Any]:
+    """Values by name, of a dict or None; raises `TypeError` for anything else."""
+    found = {} if given is None else given
+    if not isinstance(found, Mapping) or not all(isinstance(one, str) for one in found):
+        raise TypeError(f"{name} is {reprlib.repr(given)}; give a dict of name -> value")
+    return dict(found)
+
+
+def function(name: str, value: object) -> None:
+    """Check a function; raises `TypeError` for anything else."""
+    if not callable(value):
+        raise TypeError(f"{name} is {type(value).__name__}; give a function")
+
+
 def check_play(
     episodes: object,
     seed: object,
@@ -96,6 +110,11 @@ def check_play(
     whole("jobs", jobs, 1)
     text("scheduler", scheduler)
     check_resume(resume)
+    check_progress(progress)
+
+
+def check_progress(progress: object) -> None:
+    """Check what is to show progress; raises `TypeError`."""
     if not (progress is None or isinstance(progress, bool) or callable(progress)):
         raise TypeError(f"progress is {type(progress).__name__}; give True, False or a function")
 

@@ -1,8 +1,7 @@
 """`study` and `board`: many variants of a scenario, or many tasks, on the same episodes."""
 
+import reprlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,45 +19,26 @@ from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
 from mjforage.runs.identity import pinned
 from mjforage.runs.resuming import Resume
+from mjforage.runs.storage import RunFolder
 from mjforage.runs.studies import variants
 from mjforage.runs.studies.benchmark_tasks import benchmark_tasks
 from mjforage.runs.studies.board import board as board_plan
 from mjforage.runs.studies.communication import communication
+from mjforage.runs.studies.kinds import KINDS
 from mjforage.runs.studies.sensing import sensing
 from mjforage.runs.studies.study import Study as Plan
 from mjforage.runs.studies.study import Variant, load_study_info, run_study, variant_folder
 from mjforage.runs.workers import Workers
-from mjforage.scenario.scenario import Scenario as Settings
 
-PAPER = ("ddqn", "ddqn-reward", "greedy", "levy", "wanderer")
-INFORMED = ("greedy", "belief", "ddqn")
-
-
-@dataclass(frozen=True)
-class Kind:
-    """A kind of study: what it varies by default, and how."""
-
-    scenario: str
-    policies: tuple[str, ...]
-    varied: Callable[..., tuple[Variant, ...]]  # of scenario, policies and the options
-    options: Mapping[str, Any]
-
-
-def _parts(scenario: Settings, policies: Sequence[str]) -> tuple[Variant, ...]:
-    return variants.parts(scenario)
-
-
-KINDS: dict[str, Kind] = {
-    "parts": Kind("published", (), _parts, {}),
-    "ablation": Kind("published", PAPER, variants.ablation, {}),
-    "corruption": Kind(
-        "published", PAPER, variants.corruption, {"step": 0.05, "whole_team": False}
-    ),
-    "paper": Kind("published", PAPER, variants.paper, {"step": 0.05, "whole_team": True}),
-    "communication": Kind("comb-port", INFORMED, communication, {}),
-    "sensing": Kind("comb-port", INFORMED, sensing, {}),
+_VARIED: Mapping[str, Callable[..., tuple[Variant, ...]]] = {
+    "parts": lambda scenario, policies: variants.parts(scenario),
+    "ablation": variants.ablation,
+    "corruption": variants.corruption,
+    "paper": variants.paper,
+    "communication": communication,
+    "sensing": sensing,
 }
-"""Name -> study."""
+"""Kind of study -> its variants, of scenario, policies and options."""
 
 
 class Study:
@@ -104,12 +84,31 @@ class Study:
         return Run(variant_folder(self.folder, variant), players=self._players)
 
     @property
+    def complete(self) -> bool:
+        """False for a study that was ended early; the same call completes it."""
+        return (self.folder / "summary.json").is_file()
+
+    @property
     def summary(self) -> pl.DataFrame:
-        """As `Run.summary`, of all variants."""
+        """As `Run.summary`, of all variants that have finished episodes.
+
+        Raises
+        ------
+        UserError
+            If none has.
+        """
+        found = self.variants if self.complete else tuple(filter(self._has_episodes, self.variants))
+        if not found:
+            raise UserError(
+                f"{self.folder}: the study was ended before any episode was finished; run it again"
+            )
         return pl.concat(
-            self.run(one).summary.select(pl.lit(one).alias("variant"), pl.all())
-            for one in self.variants
+            self.run(one).summary.select(pl.lit(one).alias("variant"), pl.all()) for one in found
         )
+
+    def _has_episodes(self, variant: str) -> bool:
+        run = RunFolder(variant_folder(self.folder, variant))
+        return run.finished("episodes") is not None
 
     def report(
         self, *, tables: str | Sequence[str] = (), figures: str | Sequence[str] = ()
@@ -145,7 +144,8 @@ class Study:
         return write_board_page(self.folder, checks.path("path", path))
 
     def __repr__(self) -> str:
-        return f"Study({self._info.kind}, {len(self.variants)} variants, {self.folder})"
+        partly = "" if self.complete else ", not complete"
+        return f"Study({self._info.kind}, {len(self.variants)} variants, {self.folder}{partly})"
 
 
 def study(
@@ -168,10 +168,13 @@ def study(
 ) -> Study:
     """Play variants of a scenario on the same episodes, in a study folder.
 
+    Ctrl-C ends it within a second and returns what is finished; `Study.complete` is then False.
+
     Parameters
     ----------
     kind : parts, ablation, corruption, paper, communication or sensing; see docs/studies.md
-    scenario, policies, changes : as of `evaluate`; by default the kind's own
+    scenario, policies, changes : as of `evaluate`; by default the kind's own. The policies of parts
+        cannot be chosen
     folder : study folder; what it holds of the same study is resumed
     world, episodes, seed, jobs, metrics, resume, scheduler, progress : as of `evaluate`
     options : of corruption and paper: step (distance of levels), whole_team (one draw for a team)
@@ -191,21 +194,34 @@ def study(
     """
     checks.one_of("study", kind, KINDS)
     checks.check_play(episodes, seed, jobs, scheduler, resume, progress)
+    checks.function("begin", begin)
     target, worlds = checks.path("folder", folder), checks.check_worlds(world)
-    chosen, given = KINDS[kind], dict(options or {})
-    for name in given:
-        if name not in chosen.options:
-            raise UserError(f"option {name!r} of study {kind}: {nearest(name, chosen.options)}")
-    given = {**chosen.options, **given}
-    players = Players.of(chosen.policies if policies is None else policies)
-    setup = pinned(scenario_of(chosen.scenario if scenario is None else scenario, changes))
+    usual, given = KINDS[kind], _options(kind, options)
+    if policies is not None and not usual.policies:
+        shown = reprlib.repr(policies)
+        raise UserError(f"policies {shown}: study {kind} has its own; leave them out")
+    players = Players.of(usual.policies if policies is None else policies)
+    setup = pinned(scenario_of(usual.scenario if scenario is None else scenario, changes))
     words = f"{kind} study of {setup.scenario.name} on map {setup.grid.name}"
     with players.known() as names:
-        varied = chosen.varied(setup.scenario, names, *given.values())
+        varied = _VARIED[kind](setup.scenario, names, *given.values())
         about = episodes, seed, given, checks.texts("metrics", metrics)
         plan = Plan(kind, setup, varied, worlds, *about)
-        how = Workers(jobs, scheduler), progress, resume, partial(begin, words)
+        how = Workers(jobs, scheduler), progress, resume, words, begin
         return _played(plan, target, players, *how)
+
+
+def _options(kind: str, given: object) -> dict[str, Any]:
+    """Options of a study in the order of its kind; raises `TypeError` or `UserError`."""
+    usual, changed = KINDS[kind].options, checks.values("options", given)
+    for name, value in changed.items():
+        if name not in usual:
+            raise UserError(f"option {name!r} of study {kind}: {nearest(name, usual)}")
+        if not isinstance(usual[name], bool):
+            checks.real(name, value, above=0.0)
+        elif not isinstance(value, bool):
+            raise TypeError(f"{name} is {type(value).__name__}; give True or False")
+    return {**usual, **changed}
 
 
 def board(
@@ -225,6 +241,8 @@ def board(
     begin: Callable[[str, Plan], None] = lambda words, plan: None,
 ) -> Study:
     """Play every policy on the same episodes of several benchmark tasks, in a study folder.
+
+    Ctrl-C ends it within a second and returns what is finished; `Study.complete` is then False.
 
     Parameters
     ----------
@@ -250,6 +268,7 @@ def board(
     ('open-bay',)
     """
     checks.check_play(episodes, seed, jobs, scheduler, resume, progress)
+    checks.function("begin", begin)
     target, metrics = checks.path("folder", folder), checks.texts("metrics", metrics)
     players = Players.of(policies)
     given = {"tasks": tasks, "maps": maps, "overrides": overrides}
@@ -257,8 +276,8 @@ def board(
     with players.known() as names:
         plan = board_plan(found, names, episodes=episodes, seed=seed, metrics=metrics)
         count = len({one for each in plan.variants for one in each.policies})
-        words = partial(begin, f"board of {count} policies")
-        return _played(plan, target, players, Workers(jobs, scheduler), progress, resume, words)
+        how = Workers(jobs, scheduler), progress, resume, f"board of {count} policies", begin
+        return _played(plan, target, players, *how)
 
 
 def _played(
@@ -268,10 +287,22 @@ def _played(
     workers: Workers,
     progress: bool | Callable[[int, int], None] | None,
     resume: Resume,
-    begin: Callable[[Plan], None],
+    words: str,
+    begin: Callable[[str, Plan], None],
 ) -> Study:
-    name = "board" if plan.kind == "board" else "study"
-    with call(name) as warnings, bar(f"study {plan.kind}", "episodes", progress) as shown:
-        how: dict[str, Any] = {"progress": shown, "resume": resume}
-        run_study(plan, folder, workers=workers, begin=lambda: begin(plan), **how)
+    name, begun = "board" if plan.kind == "board" else "study", False
+    warnings: Sequence[str] = ()
+
+    def start() -> None:
+        nonlocal begun
+        begun = True  # the folder is that of this study
+        begin(words, plan)
+
+    try:
+        with call(name) as warnings, bar(f"study {plan.kind}", "episodes", progress) as shown:
+            how: dict[str, Any] = {"progress": shown, "resume": resume, "begin": start}
+            run_study(plan, folder, workers=workers, **how)
+    except KeyboardInterrupt:
+        if not begun:
+            raise
     return Study(folder, players, warnings)

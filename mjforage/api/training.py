@@ -3,12 +3,14 @@
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from math import ceil
 from pathlib import Path
 from typing import Any
 
 from mjforage.api import checks
 from mjforage.api.calls import call
 from mjforage.api.checks import Named
+from mjforage.api.progress import bar
 from mjforage.api.scenarios import scenario_of
 from mjforage.base.atomic_files import write_errors
 from mjforage.base.errors import UserError
@@ -30,10 +32,11 @@ def train(
     hours: float | None = None,
     seed: int = 0,
     settings: Mapping[str, Any] | None = None,
-    also: "Sequence[Setup | Settings | Named]" = (),
-    evaluate: "Sequence[Setup | Settings | Named]" = (),
+    also: "Setup | Settings | Named | Sequence[Setup | Settings | Named]" = (),
+    evaluate: "Setup | Settings | Named | Sequence[Setup | Settings | Named]" = (),
     device: str = "auto",
     resume: Resume = "same",
+    progress: bool | Callable[[int, int], None] | None = None,
     report: Callable[[str, dict[str, float]], None] = lambda table, row: None,
     **changes: Any,
 ) -> Path:
@@ -49,11 +52,12 @@ def train(
     updates, hours : where to stop; at least one
     seed : 0 to 2**64 - 1
     settings : learning hyperparameters by name, such as ``{"num_envs": 32, "reward.removed": 2}``
-    also : scenarios that rounds take in turn with the first; ``SCENARIO:MAP`` is one on another
-        map, which may be a family of harbours
+    also : scenarios, or one, that rounds take in turn with the first; ``SCENARIO:MAP`` is one on
+        another map, which may be a family of harbours
     evaluate : scenarios of the evaluations, as `also`; none: the first
     device : auto, cpu or cuda
-    resume : as of `evaluate`
+    resume, progress : as of `evaluate`; updates are counted, or minutes where `hours` alone is
+        given
     report : called with the name of a table and every row that is logged
 
     Returns
@@ -81,30 +85,42 @@ def train(
     target = checks.path("folder", folder)
     checks.whole("seed", seed, 0, 2**64 - 1)
     checks.check_resume(resume)
+    checks.check_progress(progress)
+    checks.function("report", report)
     if updates is not None:
         checks.whole("updates", updates, 1)
     if hours is not None:
         checks.real("hours", hours, above=0.0)
-    made = find_algorithm(algorithm)
-    given = dict(settings or {})
+    made = find_algorithm(checks.text("algorithm", algorithm))
+    given = checks.values("settings", settings)
     if given.get("teacher") and not hasattr(made.settings, "teacher"):
         raise UserError(
             f"teacher {given['teacher']}: {algorithm} takes none; leave it out, or give its "
             "settings the fields teacher and teacher_updates"
         )
-    with call("train"):
+    unit = "minutes" if updates is None else "updates"
+    with call("train"), bar(f"train {algorithm}", unit, progress) as shown:
+
+        def logged(table: str, row: dict[str, float]) -> None:
+            if updates is not None:
+                shown(min(int(row["updates"]), updates), updates)
+            elif hours is not None:
+                total = ceil(60 * hours)
+                shown(min(ceil(row["seconds"] / 60), total), total)
+            report(table, row)
+
         train_with(
             made,
             _on_file(scenario_of(scenario, changes), target),
             changed(made.settings(), given),
             target,
-            also=[_settings(one) for one in also],
-            evaluate=[_settings(one) for one in evaluate],
+            also=_several("also", also, target),
+            evaluate=_several("evaluate", evaluate, target),
             seed=seed,
             hours=hours,
             updates=updates,
             device=device,
-            report=report,
+            report=logged,
             resume=resume,
         )
     best = target / "best.safetensors"
@@ -112,7 +128,7 @@ def train(
 
 
 def _on_file(setup: Setup, folder: Path) -> Settings:
-    """The scenario, its map in a file: beside the training's folder if it came as an array."""
+    """The scenario, its map in a file: beside the folder, with its name, if it came as an array."""
     choice = setup.scenario.map
     if is_shipped_map(choice.file) or is_harbour(choice.file) or Path(choice.file).is_file():
         return setup.scenario
@@ -123,14 +139,28 @@ def _on_file(setup: Setup, folder: Path) -> Settings:
     return replace(setup.scenario, map=replace(choice, file=str(file), water="light"))
 
 
-def _settings(given: Setup | Settings | Named) -> Settings:
+def _several(name: str, given: object, folder: Path) -> list[Settings]:
+    """Scenarios of a list, or of one; raises `TypeError` for anything else."""
+    several = [given] if isinstance(given, Setup | Settings | str | os.PathLike) else given
+    if not isinstance(several, Sequence):
+        raise TypeError(f"{name} is {type(given).__name__}; give a list of scenarios")
+    beside = f"{folder.name}.{name}"
+    return [
+        _settings(name, one, folder.with_name(f"{beside}-{place}"))
+        for place, one in enumerate(several)
+    ]
+
+
+def _settings(name: str, given: object, place: Path) -> Settings:
     """Of `SCENARIO:MAP` with the map's own starts, or a random cluster."""
     if isinstance(given, Settings):
         return given
     if isinstance(given, Setup):
-        return given.scenario
-    name, separator, file = os.fspath(given).partition(":")
-    scenario = load_scenario(name)
+        return _on_file(given, place)
+    if not isinstance(given, str | os.PathLike):
+        raise TypeError(f"{name} has {type(given).__name__}; give scenarios, names or TOML files")
+    start, separator, file = os.fspath(given).partition(":")
+    scenario = load_scenario(start)
     if not separator:
         return scenario
     return replace(scenario, map=replace(scenario.map, file=file, starts=None, water="light"))

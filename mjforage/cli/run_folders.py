@@ -1,7 +1,8 @@
 """Commands that make, read and draw run folders."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,8 +28,10 @@ from mjforage.cli.flags import (
     WaterOf,
 )
 from mjforage.cli.progress import bar, working
+from mjforage.runs.selection import USUAL, parse_selection
 
 if TYPE_CHECKING:
+    from mjforage.api.run import Run
     from mjforage.mission.setup import Setup
 
 Policies = Annotated[list[str], POLICY]
@@ -52,7 +55,7 @@ class RunOptions:
     map: Map = None
     water: WaterOf = None
     set: Overrides = ()
-    replay: str = "first,median,worst"
+    replay: str = ",".join(str(one) for one in USUAL)
 
 
 DEFAULT = RunOptions()
@@ -82,9 +85,12 @@ def evaluate(
     out
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
+    from mjforage.api.evaluating import evaluate as play
+
     setup, players = _setup(scenario, policy, choice)
     folder = out or Path("runs") / setup.scenario.name
-    _play("evaluate", setup, players, (world,), episodes, folder, choice, by, again)
+    what: dict[str, Any] = {"world": world, "episodes": episodes}  # a word, which it checks
+    _play("evaluate", partial(play, setup, players, **what), setup, folder, choice, by, again)
 
 
 @app.command
@@ -110,12 +116,12 @@ def compare(
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
-    from mjforage.physics.worlds import ladder_of
+    from mjforage.api.evaluating import compare as play
 
     setup, players = _setup(scenario, policy, choice)
-    worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
     folder = out or Path("runs") / f"{setup.scenario.name}-gap"
-    _play("compare", setup, players, worlds, episodes, folder, choice, by, again)
+    call = partial(play, setup, players, ladder=ladder, episodes=episodes)
+    _play("compare", call, setup, folder, choice, by, again)
 
 
 def _setup(scenario: str, policies: Sequence[str], choice: RunOptions) -> "tuple[Setup, list[str]]":
@@ -129,20 +135,16 @@ def _setup(scenario: str, policies: Sequence[str], choice: RunOptions) -> "tuple
 
 def _play(
     words: str,
+    play: "Callable[..., Run]",
     setup: "Setup",
-    policies: list[str],
-    worlds: tuple[str, ...],
-    episodes: int,
     folder: Path,
     choice: RunOptions,
     by: Computing,
     again: Resuming,
 ) -> None:
     """Run, show the headline table and draw the report."""
-    from mjforage.api.evaluating import evaluate as play
     from mjforage.graph_planner.policies import is_upper_bound
     from mjforage.runs.run_info import read_json
-    from mjforage.runs.selection import parse_selection
     from mjforage.view.report import terminal_table
 
     recorded = parse_selection(choice.replay)
@@ -152,10 +154,10 @@ def _play(
         f"{setup.scenario.name} on map {setup.grid.name} ({rows} x {columns}, "
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
-    how: dict[str, Any] = {"episodes": episodes, "seed": choice.seed, "metrics": choice.metric}
-    how |= {"record": recorded, "resume": again.resume, "world": worlds, **by.asked()}
+    how: dict[str, Any] = {"seed": choice.seed, "metrics": choice.metric, "record": recorded}
+    how |= {"resume": again.resume, **by.asked()}
     with bar(words, "episodes") as progress:
-        run = play(setup, policies, folder=folder, progress=progress, **how)
+        run = play(folder=folder, progress=progress, **how)
     if not run.complete:
         raise KeyboardInterrupt
     bounds = [policy for policy in run.policies if is_upper_bound(policy)]

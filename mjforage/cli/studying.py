@@ -27,6 +27,7 @@ from mjforage.cli.flags import (
     Words,
 )
 from mjforage.cli.progress import bar, working
+from mjforage.runs.studies.kinds import KINDS, STEP
 
 if TYPE_CHECKING:
     from mjforage.api.studies import Study
@@ -36,9 +37,6 @@ study = cyclopts.App(
     name="study", help="Studies: many variants of a scenario on the same episodes, in one report."
 )
 app.command(study)
-
-PAPER = ("ddqn", "ddqn-reward", "greedy", "levy", "wanderer")
-INFORMED = ("greedy", "belief", "ddqn")
 
 
 @dataclass(frozen=True)
@@ -82,7 +80,7 @@ class Draws:
         has its own draw, as the paper defines it. Default per agent; for the paper whole team.
     """
 
-    step: float = 0.05
+    step: float = STEP
     whole_team: Annotated[bool | None, Parameter(negative=("--per-agent", "--no-whole-team"))] = (
         None
     )
@@ -95,7 +93,7 @@ Corrupted = Annotated[Draws, Parameter(name="*")]
 
 @study.command
 def parts(
-    scenario: Scenario = "published",
+    scenario: Scenario = KINDS["parts"].scenario,
     /,
     *,
     choice: With = DEFAULT,
@@ -107,15 +105,16 @@ def parts(
     _play("parts", scenario, (), choice, by, again)
 
 
-def _add(kind: str, usual: str, players: tuple[str, ...], words: str) -> None:
+def _add(kind: str, words: str) -> None:
     """Add a study of policies in variants of a scenario."""
+    usual = KINDS[kind]
 
     @study.command(name=kind, help=words)
     def command(
-        scenario: Scenario = usual,
+        scenario: Scenario = usual.scenario,
         /,
         *,
-        policy: Policies = players,
+        policy: Policies = usual.policies,
         choice: With = DEFAULT,
         by: By = THIS_PROCESS,
         again: GoingOn = SAME_ONLY,
@@ -124,50 +123,44 @@ def _add(kind: str, usual: str, players: tuple[str, ...], words: str) -> None:
         _play(kind, scenario, policy, choice, by, again)
 
 
-def _add_corrupting(kind: str, whole_team: bool, words: str) -> None:
+def _add_corrupting(kind: str, words: str) -> None:
     """Add a study of policies in which teams are corrupted."""
+    usual = KINDS[kind]
 
     @study.command(name=kind, help=words)
     def command(
-        scenario: Scenario = "published",
+        scenario: Scenario = usual.scenario,
         /,
         *,
-        policy: Policies = PAPER,
+        policy: Policies = usual.policies,
         draws: Corrupted = USUAL,
         choice: With = DEFAULT,
         by: By = THIS_PROCESS,
         again: GoingOn = SAME_ONLY,
         known: Trusted = NOBODY,
     ) -> None:
-        together = whole_team if draws.whole_team is None else draws.whole_team
-        options = {"step": draws.step, "whole_team": together}
+        told = {"step": draws.step, "whole_team": draws.whole_team}
+        options = {name: value for name, value in told.items() if value is not None}
         _play(kind, scenario, policy, choice, by, again, **options)
 
 
 _add(
     "ablation",
-    "published",
-    PAPER,
     "Value of an agent of each team: marginal contributions (the paper's Tables 5 and 6).",
 )
 _add(
     "communication",
-    "comb-port",
-    INFORMED,
     "Cost of limited range, quays, latency, losses and budgets of a link, and value of a relay.",
 )
 _add(
     "sensing",
-    "comb-port",
-    INFORMED,
     "Cost of misses and false alarms, and of wrong assumptions about them.",
 )
 _add_corrupting(
     "corruption",
-    False,
     "Performance as a team's actions become random: sensitivity slopes (CSSC).",
 )
-_add_corrupting("paper", True, "All tables and figures of the paper, with its numbers beside ours.")
+_add_corrupting("paper", "All tables and figures of the paper, with its numbers beside ours.")
 
 
 @study.command
@@ -235,7 +228,7 @@ def _play(
     what: dict[str, Any] = {"world": choice.world, "metrics": choice.metric, "options": options}
     what |= {"episodes": choice.episodes, "seed": choice.seed, **asked}
     what["folder"] = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
-    _finish(lambda **how: play(kind, setup, players, **what, **how), kind, again)
+    _finish(lambda **how: play(kind, setup, players or None, **what, **how), kind, again)
 
 
 def _finish(play: "Callable[..., Study]", kind: str, again: Resuming) -> None:
@@ -250,6 +243,8 @@ def _finish(play: "Callable[..., Study]", kind: str, again: Resuming) -> None:
 
     with bar(f"study {kind}", "episodes") as shown:
         done = play(progress=shown, resume=again.resume, begin=begin)
+    if not done.complete:
+        raise KeyboardInterrupt
     with working("drawing the report"):
         path = done.report()
     output.print(f"report: {path}", soft_wrap=True)

@@ -98,14 +98,6 @@ def train(
     folder = out or Path("runs") / f"{algorithm.rpartition(':')[2]}-{chosen.name}"
     unit = "updates" if updates is not None else "minutes"
     with bar("train", unit) as shown:
-
-        def tell(table: str, row: "Row") -> None:
-            _report(table, row)
-            if updates is not None:
-                shown(row["updates"], updates)
-            elif hours is not None:
-                shown(row["seconds"] / 60, 60 * hours)
-
         play(
             algorithm,
             Setup.of(chosen),
@@ -118,7 +110,8 @@ def train(
             evaluate=evaluate,
             device=device,
             resume=again.resume,
-            report=tell,
+            progress=shown,
+            report=_report,
         )
     output.print(f"run: {folder}", soft_wrap=True)
 

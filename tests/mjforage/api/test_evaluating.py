@@ -1,7 +1,13 @@
 """Runs of policies in every form: the same numbers through every door."""
 
 import importlib
+import os
+import re
+import signal
+import socket
+import subprocess
 import sys
+import tempfile
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -17,11 +23,15 @@ from polars.testing import assert_frame_equal
 import mjforage as mf
 from mjforage.base import registry
 from mjforage.cli.commands import app
+from mjforage.runs.costs import load_costs
+from mjforage.runs.layout import chunk_size
 from mjforage.runs.sources import source_hash
 from tests.mjforage.api.conftest import Eastward, drawn, nearest
 
 QUIET: dict[str, Any] = {"record": (), "progress": False}
-TWO_CHUNKS = 51  # episodes: of fewer one chunk is computed, in this process whatever `jobs`
+CHUNK = chunk_size("graph")  # one episode more is two chunks, which go to workers
+SOON_S = 20.0  # on a busy machine; a second on a free one
+TWO_CHUNKS = CHUNK + 1
 
 
 def test_a_function_an_object_and_a_class_play_beside_a_name(bay: mf.Scenario) -> None:
@@ -54,12 +64,23 @@ def test_workers_change_no_number(bay: mf.Scenario) -> None:
         assert_frame_equal(getattr(one, table), getattr(two, table))
 
 
-def test_a_redefined_function_is_the_new_one_in_workers_that_stay(bay: mf.Scenario) -> None:
+def in_workers(folder: Path) -> bool:
+    """True if other processes than this one simulated all episodes of a run."""
+    here = f"{socket.gethostname()}-{os.getpid()}"
+    return here not in {cost.worker for cost in load_costs(folder / "costs.json")}
+
+
+def test_a_redefined_function_is_the_new_one_in_workers_that_stay(
+    bay: mf.Scenario, tmp_path: Path
+) -> None:
     def ends(move: str) -> pl.DataFrame:
         def steer(view: mf.View) -> dict[str, str]:
             return dict.fromkeys(view.agents, move)
 
-        return mf.evaluate(bay, steer, episodes=TWO_CHUNKS, jobs=2, **QUIET).agents
+        folder = Path(tempfile.mkdtemp(dir=tmp_path))
+        run = mf.evaluate(bay, steer, episodes=TWO_CHUNKS, jobs=2, folder=folder, **QUIET)
+        assert in_workers(folder)
+        return run.agents
 
     east, west, again = (ends(move) for move in "EWE")
     assert_frame_equal(east, again)
@@ -155,6 +176,41 @@ def test_ctrl_c_returns_what_is_finished(bay: mf.Scenario) -> None:
         run.plot()
 
 
+PROGRAM = """
+import signal, sys
+import mjforage as mf
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have switched it off
+folder, jobs = sys.argv[1], int(sys.argv[2])
+found = mf.{call}, folder=folder, episodes=20_000, jobs=jobs, progress=lambda done, total: (
+    print(done, flush=True)
+))
+print("returned", found.complete, found.summary["n"].max())
+"""
+CALLS = ('evaluate("comb-port", "greedy"', 'study("ablation", "comb-port", "greedy"')
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+@pytest.mark.parametrize(("call", "jobs"), [(CALLS[0], 1), (CALLS[0], 2), (CALLS[1], 2)])
+def test_ctrl_c_from_a_terminal_returns_soon(call: str, jobs: int, tmp_path: Path) -> None:
+    """The signal goes to the process and its workers; whole, the call takes a minute or more."""
+    with subprocess.Popen(
+        [sys.executable, "-c", PROGRAM.format(call=call), str(tmp_path / "run"), str(jobs)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        assert process.stdout is not None
+        while int(process.stdout.readline()) < CHUNK:
+            pass
+        os.killpg(process.pid, signal.SIGINT)
+        out, err = process.communicate(timeout=SOON_S)
+    assert (process.returncode, err) == (0, "")
+    word, complete, episodes = out.splitlines()[-1].split()
+    assert (word, complete) == ("returned", "False")
+    assert CHUNK <= int(episodes) < 20_000
+
+
 def test_compare_plays_both_worlds(bay: mf.Scenario) -> None:
     gap = mf.compare(bay, nearest, episodes=1, **QUIET)
     assert gap.worlds == ("graph", "physics")
@@ -234,24 +290,26 @@ def test_workers_have_modules_of_a_user_as_they_are_here(
     own = importlib.import_module("own_steering")
     for move in "EW":
         own.MOVE = move  # type: ignore[attr-defined]
-        one, two = (
-            mf.evaluate(bay, own.steer, episodes=TWO_CHUNKS, jobs=jobs, **QUIET).agents
-            for jobs in (1, 2)
-        )
-        assert_frame_equal(one, two)
+        folder = tmp_path / move
+        one = mf.evaluate(bay, own.steer, episodes=TWO_CHUNKS, **QUIET)
+        two = mf.evaluate(bay, own.steer, episodes=TWO_CHUNKS, jobs=2, folder=folder, **QUIET)
+        assert in_workers(folder)
+        assert_frame_equal(one.agents, two.agents)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_errors_of_a_class_are_one_line(bay: mf.Scenario, jobs: int) -> None:
     class Broken(Eastward):
         def act(self, observation: Any) -> Any:
-            sys.exit("on\ntwo lines")
+            sys.exit(f"on\ntwo lines of {os.getpid()},")
 
     how: dict[str, Any] = {"episodes": TWO_CHUNKS, "jobs": jobs, **QUIET}
-    with pytest.raises(mf.UserError, match="policy Broken: raised SystemExit: on two lines"):
-        mf.evaluate(bay, [Broken], **how)
-    with pytest.raises(mf.UserError, match="policy thing: raised SystemExit"):
-        mf.evaluate(bay, {"thing": Broken()}, **how)
+    for name, given in {"Broken": [Broken], "thing": {"thing": Broken()}}.items():
+        line = rf"policy {name}: raised SystemExit: on two lines of (\d+),"
+        with pytest.raises(mf.UserError, match=line) as caught:
+            mf.evaluate(bay, given, **how)
+        process = re.search(line, str(caught.value))
+        assert process and (int(process[1]) == os.getpid()) == (jobs == 1)
 
 
 def test_nothing_stays_of_a_call_that_is_refused(
