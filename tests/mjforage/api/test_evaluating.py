@@ -304,7 +304,8 @@ def test_errors_of_a_class_are_one_line(bay: mf.Scenario, jobs: int) -> None:
             sys.exit(f"on\ntwo lines of {os.getpid()},")
 
     how: dict[str, Any] = {"episodes": TWO_CHUNKS, "jobs": jobs, **QUIET}
-    for name, given in {"Broken": [Broken], "thing": {"thing": Broken()}}.items():
+    forms: dict[str, Any] = {"Broken": [Broken], "thing": {"thing": Broken()}}
+    for name, given in forms.items():
         line = rf"policy {name}: raised SystemExit: on two lines of (\d+),"
         with pytest.raises(mf.UserError, match=line) as caught:
             mf.evaluate(bay, given, **how)
