@@ -125,7 +125,9 @@ class Pilot:
 
     def reset(self, ids: NDArray[Any] | None = None) -> None:
         """Forget episodes (indices or mask, all by default)."""
-        self._fleets.state[slice(None) if ids is None else ids] = idle_state()
+        which = slice(None) if ids is None else ids
+        self._fleets.state[which] = idle_state()
+        self._fleets.ticks[which], self._commands[which] = 0, 0.0
 
     def order(
         self,

@@ -11,23 +11,28 @@ Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
 def scatter_rows(
-    into: NDArray[T], rows: NDArray[np.int64], values: NDArray[T], fill: int = 0
+    into: NDArray[T], rows: NDArray[np.int64], values: NDArray[T], fill: float = 0
 ) -> NDArray[T]:
     """A copy of `into` (episode, ...) with `values` (row, ...) at `rows`.
 
-    Where the second axes differ in size (items, padded to the largest episode), the narrower side
-    is padded with `fill`.
+    Where an axis beyond the first differs in size (items, padded to the largest episode), the
+    narrower side is padded with `fill`.
     """
-    if into.ndim > 1 and into.shape[1] != values.shape[1]:
-        width = max(into.shape[1], values.shape[1])
-        result = np.full((into.shape[0], width, *into.shape[2:]), fill, into.dtype)
-        result[:, : into.shape[1]] = into
+    if into.shape[1:] != values.shape[1:]:
+        shape = np.maximum(into.shape[1:], values.shape[1:])
+        result = np.full((len(into), *shape), fill, into.dtype)
+        result[(slice(None), *_leading(into))] = into
         result[rows] = fill
-        result[rows, : values.shape[1]] = values
+        result[(rows, *_leading(values))] = values
         return result
     result = into.copy()
     result[rows] = values
     return result
+
+
+def _leading(array: NDArray[Any]) -> tuple[slice, ...]:
+    """Where an array lies in one that is at least as wide on each axis but the first."""
+    return tuple(slice(0, size) for size in array.shape[1:])
 
 
 def scatter_all(

@@ -15,6 +15,7 @@ from mjforage.mission.task import Pickup
 
 ARRIVED, LATE, BLOCKED = 0, 1, 2
 OUTCOMES = ("arrived", "late", "blocked")
+NOBODY = "item_node", "collected_by"  # of a transition: -1 where there is no item
 
 
 class Transition(NamedTuple):
@@ -120,6 +121,26 @@ class Dynamics(Protocol):
         Parameters
         ----------
         keys, names : (episode,) keys of the random draws, and names in messages of errors
+        """
+        ...
+
+    def restart(
+        self,
+        rows: NDArray[np.int64],
+        initial: InitialState,
+        keys: UInt64Array,
+        names: Sequence[str],
+    ) -> Transition:
+        """Start other episodes in some rows of the batch; the rest goes on to the bit.
+
+        Parameters
+        ----------
+        rows : (row,) places in the batch
+        initial, keys, names : as of `reset`, of these episodes; padded at least as the batch is
+
+        Returns
+        -------
+        State of the whole batch, in new arrays
         """
         ...
 

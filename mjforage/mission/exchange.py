@@ -73,6 +73,8 @@ class Exchange(Protocol):
     def reset(self, task: Task, scans: Scans, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the scans of step 0.
 
+        All that is written to is new: after it, a shallow copy has nothing of the original's.
+
         Parameters
         ----------
         pooled : knowledge of an owner that receives all scans at once, one row per episode; live

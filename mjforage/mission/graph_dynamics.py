@@ -14,7 +14,7 @@ from mjforage.base.rows import scatter_all
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
-from mjforage.mission.dynamics import ARRIVED, BLOCKED, Transition, start_state
+from mjforage.mission.dynamics import ARRIVED, BLOCKED, NOBODY, Transition, start_state
 from mjforage.mission.initial_state import LEEWAY, InitialState
 from mjforage.mission.item_rule import ItemRule
 from mjforage.mission.moves import Moves, move_length
@@ -97,11 +97,17 @@ class GraphDynamics:
     def _begin(self, state: Transition) -> None:
         self._state, self._move = state, BoundKernel(_move, self._centres, self._yaw, state)
 
-    def replace_episodes(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
-        """Replace episodes (row,) of the batch by those of another one; returns the new state."""
-        nobody = "item_node", "collected_by"
-        self._begin(scatter_all(self._state, rows, other._state, nobody))
-        self._items.replace_episodes(rows, other._items, self._state)
+    def restart(
+        self,
+        rows: NDArray[np.int64],
+        initial: InitialState,
+        keys: UInt64Array,
+        names: Sequence[str],
+    ) -> Transition:
+        """Start other episodes in some rows (row,) of the batch; returns the state of all."""
+        fresh = start_state(initial, self._centres)
+        self._begin(scatter_all(self._state, rows, fresh, NOBODY))
+        self._items.restart(rows, initial, keys, fresh, self._state)
         return self._state
 
     def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:

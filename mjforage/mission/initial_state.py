@@ -6,7 +6,7 @@ integers.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,19 @@ class InitialState:
     item_node: Int32Array  # (episode, item) node; -1 for padding
     drift_rc: NDArray[np.float64]  # (episode, 2) constant drift [node/step]
     agent_node: Int32Array  # (episode, agent)
+
+    def padded(self, items: int) -> "InitialState":
+        """The same with places for at least so many items."""
+        more = max(0, items - self.item_node.shape[1])
+        return replace(
+            self,
+            item_rc=np.pad(self.item_rc, ((0, 0), (0, more), (0, 0))),
+            item_node=np.pad(self.item_node, ((0, 0), (0, more)), constant_values=-1),
+        )
+
+    def of_rows(self, rows: NDArray[np.int64]) -> "InitialState":
+        """Those of some episodes."""
+        return InitialState(*(getattr(self, each.name)[rows] for each in fields(self)))
 
 
 @kernel

@@ -251,20 +251,38 @@ class ItemRule:
         ----------
         state : of the world at step 0; `advance` changes its items
         """
-        self._begin(
-            Surroundings(
-                collects=self._fleet.collects,
-                room_left=np.tile(self._fleet.capacity, (keys.size, 1)),
-                places=item_places(initial.item_node),
-                keys=keys,
-                drift_rc=initial.drift_rc,
-                noise=self._noise,
-                water=self._graph.water,
-                corners=self._graph.corners,
-                walls=self._walls,
-            ),
-            Stays.of(state),
-            state,
+        self._begin(self._surroundings(initial, keys), Stays.of(state), state)
+
+    def restart(
+        self,
+        rows: NDArray[np.int64],
+        initial: InitialState,
+        keys: UInt64Array,
+        fresh: Transition,
+        state: Transition,
+    ) -> None:
+        """Start other episodes in some rows (row,) of the batch.
+
+        Parameters
+        ----------
+        fresh, state : of these episodes (row, ...) at step 0, and of the whole batch with them;
+            `advance` changes the items of the latter
+        """
+        names = "keys", "places", "drift_rc", "room_left"
+        around = scatter_all(self._around, rows, self._surroundings(initial, keys), only=names)
+        self._begin(around, scatter_all(self._stays, rows, Stays.of(fresh)), state)
+
+    def _surroundings(self, initial: InitialState, keys: UInt64Array) -> Surroundings:
+        return Surroundings(
+            collects=self._fleet.collects,
+            room_left=np.tile(self._fleet.capacity, (keys.size, 1)),
+            places=item_places(initial.item_node),
+            keys=keys,
+            drift_rc=initial.drift_rc,
+            noise=self._noise,
+            water=self._graph.water,
+            corners=self._graph.corners,
+            walls=self._walls,
         )
 
     @property
@@ -293,16 +311,3 @@ class ItemRule:
             self.advance = BoundKernel(_advance, *fixed)
         else:
             self.advance = BoundKernel(_advance_by_chance, self._chances, stays, *fixed)
-
-    def replace_episodes(
-        self, rows: NDArray[np.int64], other: "ItemRule", state: Transition
-    ) -> None:
-        """Replace episodes (row,) of the batch by those of another one.
-
-        Parameters
-        ----------
-        state : of the mixed batch; `advance` changes its items
-        """
-        names = "keys", "places", "drift_rc", "room_left"
-        around = scatter_all(self._around, rows, other._around, only=names)
-        self._begin(around, scatter_all(self._stays, rows, other._stays), state)

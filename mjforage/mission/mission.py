@@ -3,8 +3,10 @@
 Decide -> move -> collect -> drift -> sense -> exchange -> log.
 """
 
+import copy
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from operator import attrgetter
 
 import numpy as np
@@ -20,6 +22,7 @@ from mjforage.mission.dynamics import Dynamics, Transition, goes_on, mean_drift,
 from mjforage.mission.exchange import Exchange
 from mjforage.mission.forecasts import Forecasts
 from mjforage.mission.graph_dynamics import GraphDynamics
+from mjforage.mission.initial_state import InitialState
 from mjforage.mission.knowledge import Knowledge, Scans, idleness, times_seen
 from mjforage.mission.ledger import Ledger
 from mjforage.mission.link import exchange_of
@@ -102,10 +105,13 @@ class Mission:
         keys : (episode,) which decide them
         names : (episode,) for messages; absent: their keys
         """
-        self.keys = read_only(keys)
-        self.initial = self.setup.create_initial_state(self.keys)
-        names = names or [f"key {key}" for key in keys]
-        self._state = self._dynamics.reset(self.initial, self.keys, names)
+        initial = self.setup.create_initial_state(keys)
+        state = self._dynamics.reset(initial, read_only(keys), names or _names(keys))
+        self._begin(keys, initial, state)
+
+    def _begin(self, keys: UInt64Array, initial: InitialState, state: Transition) -> None:
+        """Take episodes at step 0."""
+        self.keys, self.initial, self._state = read_only(keys), initial, state
         self._begin_step(np.zeros(keys.size, np.int32))
         self.active = read_only(np.ones(keys.size, np.bool_))
         self._moves: Moves | None = None
@@ -181,16 +187,28 @@ class Mission:
         """Moves of the last decision; None before the first."""
         return None if self._moves is None else read_only(self._moves)
 
-    def replace_episodes(self, rows: NDArray[np.int64], other: "Mission") -> None:
-        """Replace episodes (row,) of the batch by another mission's; in the graph world only.
+    def restart(
+        self, rows: NDArray[np.int64], keys: UInt64Array, names: Sequence[str] = ()
+    ) -> InitialState:
+        """Start other episodes in some rows of the batch; the rest goes on to the bit.
 
         So a batch goes on while some of its episodes are over, as vector environments ask. The
         state `initial` stays that of the first episodes.
+
+        Parameters
+        ----------
+        rows : (row,) places in the batch
+        keys, names : (row,) of these episodes, as of `start`
+
+        Returns
+        -------
+        Their initial state
         """
-        assert isinstance(self._dynamics, GraphDynamics) and isinstance(
-            other._dynamics, GraphDynamics
-        )
-        self._state = self._dynamics.replace_episodes(rows, other._dynamics)
+        initial = self.setup.create_initial_state(keys).padded(self._state.item_node.shape[1])
+        names = names or _names(keys)
+        self._state = self._dynamics.restart(rows, initial, read_only(keys), names)
+        other = self._spare
+        other._begin(keys, initial, Transition._make(part[rows] for part in self._state))
         nobody = set(Ledger._fields) - {"truth"}
         self._ledger = scatter_all(self._ledger, rows, other._ledger, nobody)
         self._knowledge = scatter_all(self._knowledge, rows, other._knowledge)
@@ -203,6 +221,12 @@ class Mission:
         self.active = read_only(scatter_rows(self.active, rows, other.active))
         self._owner_keys = read_only(np.repeat(self.keys, self.exchange.owners))
         self._renew_sensing_update()
+        return initial
+
+    @cached_property
+    def _spare(self) -> "Mission":
+        """What is known in episodes that start in rows of the batch, before they are part of it."""
+        return Mission(self.setup, self._dynamics, copy.copy(self.exchange))
 
     @property
     def energy_left(self) -> NDArray[np.float64]:
@@ -368,6 +392,10 @@ class Mission:
             self.advance(self.ask(policy))
             for observer in observers:
                 observer.see(self)
+
+
+def _names(keys: UInt64Array) -> list[str]:
+    return [f"key {key}" for key in keys]
 
 
 def _check_capabilities(setup: Setup, exchange: Exchange) -> None:

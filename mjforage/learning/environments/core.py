@@ -13,7 +13,6 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.learning.environments.checks import checked_seed, checked_started
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import RewardTerms
-from mjforage.mission.mission import Mission
 from mjforage.mission.moves import preferences_of
 from mjforage.physics.worlds import create_mission
 
@@ -80,7 +79,7 @@ class EnvironmentCore:
 
         Parameters
         ----------
-        num_envs : episodes side by side; beyond the graph world they are started together
+        num_envs : episodes side by side
         turns : steps of the environment in one of the mission, for discounts of a reward
         """
         self.options, self.num_envs = options, num_envs
@@ -88,8 +87,6 @@ class EnvironmentCore:
         self.setup.check_memory(num_envs)
         self.agents = len(self.setup.fleet)
         self.mission = create_mission(self.setup, options.world)
-        graph = options.world == "graph"
-        self._spare = Mission(self.setup) if graph and num_envs > 1 else None
         self._weights = options.weights
         self._terms = RewardTerms(self.setup.task, self._weights, turns)
         self._sums = {name: np.zeros((num_envs, self.agents)) for name in self._weights}
@@ -103,16 +100,13 @@ class EnvironmentCore:
         """Start episodes of the given keys in sub-environments (env,); the first time in all."""
         for total in self._sums.values():
             total[envs] = 0.0
-        if self._spare is None or not self.started or envs.size == self.num_envs:
-            assert envs.size == self.num_envs, "all sub-environments are started together"
+        if not self.started or envs.size == self.num_envs:
             self.mission.start(keys)
             self._encoder.reset(self.num_envs * self.mission.exchange.owners)
             self.n_items = self.mission.initial.n_items.copy()
             self.started = True
             return
-        self._spare.start(keys)
-        self.mission.replace_episodes(envs, self._spare)
-        self.n_items[envs] = self._spare.initial.n_items
+        self.n_items[envs] = self.mission.restart(envs, keys).n_items
 
     def step(self, actions: NDArray[np.int64]) -> Outcome:
         """Play one decision of every sub-environment that is not over.

@@ -28,8 +28,7 @@ from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space, sh
 class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
     """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
-    One batched mission of the graph world plays all sub-environments; in other worlds Gymnasium
-    puts single ones side by side (`vectorization_mode="sync"`, or `"async"` in processes).
+    One batched mission plays all sub-environments, in every world.
     `info` is laid out as Gymnasium does: beside each key a mask `_key` (env,) of valid entries.
 
     Parameters
@@ -55,11 +54,6 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         if num_envs < 1:
             raise UserError(f"num_envs = {num_envs}: give 1 or more")
         options = EnvironmentOptions.of(arguments)
-        if options.world != "graph":
-            raise UserError(
-                f"make_vec in the world {options.world!r}: batches are of the graph world; give "
-                "vectorization_mode='sync', or 'async' for a process each"
-            )
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = _checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]

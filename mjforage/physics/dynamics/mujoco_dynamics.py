@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
+from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.controllers import Chart, Pilot
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
-from mjforage.mission.dynamics import Transition, start_state
+from mjforage.mission.dynamics import NOBODY, Transition, start_state
 from mjforage.mission.initial_state import LEEWAY, InitialState, nearest_nodes
 from mjforage.mission.item_rule import ItemRule, collect
 from mjforage.mission.moves import Moves
@@ -122,13 +123,12 @@ class MujocoDynamics:
         flow_in(self._settings, graph)
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
+        noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
+        self._rule = None if self._bodies else ItemRule(graph, fleet, noise, walls, self._chances)
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
         episodes, items = initial.item_node.shape
-        self._keys, self._state = keys, start_state(initial, self._centres)
-        self._wind_rc = initial.drift_rc
-        self._field = Field.create(self._settings, keys, self._graph)
         self._simulation = Simulation(
             self._scene,
             episodes,
@@ -140,39 +140,80 @@ class MujocoDynamics:
         self._pilot = Pilot(self._models, self._chart, episodes, CONTROL_S)
         self._period = PeriodRecord.of(initial.agent_node.shape)
         self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
-        self._attempts = Attempts.of(len(self._fleet), initial.item_node)
-        if self._has_camera:
-            tracks = ItemTracks.of(self._camera, len(self._fleet), initial.item_node)
-            self._tracks = tracks
-            self._look_out = BoundKernel(
-                look_out, self._camera, self._grid, keys, self._fleet.collects, tracks
-            )
-        pose = np.zeros((*initial.agent_node.shape, 3))
-        pose[..., :2] = self._centres_xy[initial.agent_node]
-        self.place(pose)
-        self._place_items(initial)
         self._tick = np.zeros(episodes, np.int64)
+        self._wind_rc, self._room_left = initial.drift_rc, self._capacity(episodes)
+        self._state = start_state(initial, self._centres)
+        self._attempts, self._tracks = self._no_attempts(initial), self._no_tracks(initial)
+        self._begin(keys)
+        if self._rule is not None:
+            self._rule.reset(initial, keys, self._state)
+            self._room_left = self._rule.room_left
+        self._place(np.arange(episodes), initial, keys)
         if self._trajectory is not None:
             self._trajectory.start(WEATHER_TICKS * CONTROL_S)
             self._record()
         return self._state
 
-    def place(self, pose: NDArray[np.float64]) -> None:
-        """Put the vessels elsewhere, at rest; pose (episode, vessel, 3) [m], [rad]."""
-        self._simulation.place_vessels(pose)
-        self._motion = self._measured()
-
-    def _place_items(self, initial: InitialState) -> None:
-        self._room_left = np.tile(self._fleet.capacity, (len(initial.n_items), 1))
-        self._rule: ItemRule | None = None
-        if not self._bodies:
-            noise, walls = self._scenario.weather.noise_node_per_step, self._scenario.rules.walls
-            self._rule = ItemRule(self._graph, self._fleet, noise, walls, self._chances)
-            self._rule.reset(initial, self._keys, self._state)
+    def restart(
+        self,
+        rows: NDArray[np.int64],
+        initial: InitialState,
+        keys: UInt64Array,
+        names: Sequence[str],
+    ) -> Transition:
+        """Start other episodes in some rows (row,) of the batch; returns the state of all."""
+        fresh = start_state(initial, self._centres)
+        self._simulation.restart(rows, names, initial.item_node.shape[1] if self._bodies else 0)
+        self._pilot.reset(rows)
+        self._period.forget(rows)
+        self._tick[rows] = 0
+        self._wind_rc = scatter_rows(self._wind_rc, rows, initial.drift_rc)
+        self._room_left[rows] = self._fleet.capacity
+        self._state = scatter_all(self._state, rows, fresh, NOBODY)
+        self._attempts = scatter_all(self._attempts, rows, self._no_attempts(initial), ("item",))
+        self._tracks = self._tracks.with_rows(rows, self._no_tracks(initial))
+        self._begin(scatter_rows(self._keys, rows, keys))
+        if self._rule is not None:
+            self._rule.restart(rows, initial, keys, fresh, self._state)
             self._room_left = self._rule.room_left
-            return
-        classes = draw_classes(self._keys, initial.item_node, self._classes)
-        self._simulation.place_items(self._graph.metres(initial.item_rc), classes)
+        self._place(rows, initial, keys)
+        return self._state
+
+    def _capacity(self, episodes: int) -> NDArray[np.int64]:
+        return np.tile(self._fleet.capacity, (episodes, 1))
+
+    def _no_attempts(self, initial: InitialState) -> Attempts:
+        return Attempts.of(len(self._fleet), initial.item_node)
+
+    def _no_tracks(self, initial: InitialState) -> ItemTracks:
+        """Tracks before the first frame; of no item where there is no camera."""
+        items = initial.item_node if self._has_camera else initial.item_node[:, :0]
+        return ItemTracks.of(self._camera, len(self._fleet), items)
+
+    def _begin(self, keys: UInt64Array) -> None:
+        """Take the keys of the batch, with the weather that they decide."""
+        self._keys, self._field = keys, Field.create(self._settings, keys, self._graph)
+        cameras = self._camera, self._grid, keys, self._fleet.collects, self._tracks
+        self._look_out = BoundKernel(look_out, *cameras)
+
+    def _place(self, rows: NDArray[np.int64], initial: InitialState, keys: UInt64Array) -> None:
+        """Put vessels and items of some episodes where they start."""
+        pose = np.zeros((*initial.agent_node.shape, 3))
+        pose[..., :2] = self._centres_xy[initial.agent_node]
+        self.place(pose, rows)
+        if self._bodies:
+            classes = draw_classes(keys, initial.item_node, self._classes)
+            self._simulation.place_items(self._graph.metres(initial.item_rc), classes, rows)
+
+    def place(self, pose: NDArray[np.float64], rows: NDArray[np.int64] | None = None) -> None:
+        """Put the vessels of some episodes, by default of all, elsewhere and at rest.
+
+        Parameters
+        ----------
+        pose : (row, vessel, 3) [m], [rad]
+        """
+        self._simulation.place_vessels(pose, ids=rows)
+        self._motion = self._measured()
 
     def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
         """(episode, place, 2) velocity of items by mean wind and current [node/step]."""

@@ -40,6 +40,11 @@ class PeriodRecord(NamedTuple):
         kinds = ("?", "d", "?", "d", "d", "?", "i", "d")
         return cls(*(np.zeros(shape, kind) for kind in kinds))
 
+    def forget(self, rows: NDArray[np.int64]) -> None:
+        """Put episodes back to before their first period."""
+        for entry in self:
+            entry[rows] = 0
+
     def begin(self, active: NDArray[np.bool_]) -> None:
         """Start a period."""
         for entry in self[:5]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import UInt64Array
+from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.physics.dynamics.camera import Camera, sight_items, variance
 from mjforage.physics.floating.quays import is_clear
 
@@ -38,7 +39,7 @@ class ItemTracks(NamedTuple):
     velocity: FloatArray  # (episode, vessel, item, 2) [m/s]
     spread: FloatArray  # (episode, vessel, item, 3) variance of place, covariance, of velocity
     tick: NDArray[np.int64]  # (episode, vessel, item) of the last sighting, -1 none
-    frames: FloatArray  # (frame, episode, vessel, item, 2) on their way from the camera [m]
+    frames: FloatArray  # (episode, frame, vessel, item, 2) on their way from the camera [m]
 
     @classmethod
     def of(cls, camera: Camera, vessels: int, items: NDArray[np.int32]) -> Self:
@@ -50,8 +51,13 @@ class ItemTracks(NamedTuple):
             np.zeros((*every, 2)),
             np.zeros((*every, 3)),
             np.full(every, -1),
-            np.full((on_the_way, *every, 2), np.nan),
+            np.full((every[0], on_the_way, *every[1:], 2), np.nan),
         )
+
+    def with_rows(self, rows: NDArray[np.int64], fresh: Self) -> Self:
+        """A copy with the tracks of other episodes in some rows (row,) of the batch."""
+        frames = scatter_rows(self.frames, rows, fresh.frames, np.nan)
+        return scatter_all(self, rows, fresh, ("tick",))._replace(frames=frames)
 
 
 @kernel
@@ -146,13 +152,13 @@ def look_out(
             if not collects[v]:
                 continue
             if now % period == 0:
-                seen = frames[now // period % frames.shape[0], e]
+                seen = frames[e, now // period % frames.shape[1]]
                 sight_items(
                     camera, keys[e], now, v, true_pose[e], pose[e], xy[e], item_node[e], seen
                 )
             if past < 0 or past % period != 0:
                 continue
-            came = frames[past // period % frames.shape[0], e, v]
+            came = frames[e, past // period % frames.shape[1], v]
             for k in range(came.shape[0]):
                 if math.isnan(came[k, 0]):
                     continue

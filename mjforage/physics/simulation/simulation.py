@@ -38,7 +38,7 @@ POOL_SPARE = 2  # bodies never active: the last numbers of MuJoCo's sums, added 
 STRIDE = 4  # by which pools grow: a few sizes, so that their scenes are built once
 _ENGAGED = (
     *("engine", "model", "time_s", "commands", "thruster_state", "vessel_wind", "vessel_water"),
-    *("load", "_pose", "_velocity", "_bodies", "_activate", "_sync_items", "_drift"),
+    *("load", "_pose", "_velocity", "_bodies", "_quays", "_activate", "_sync_items", "_drift"),
 )
 """Attributes that a simulation makes anew with every engine."""
 _CARRIED = ("time", "qpos", "qvel", "act", "qacc_warmstart", "ctrl", "userdata")
@@ -105,10 +105,7 @@ class Simulation:
         self._shift_s = half_step_s(integrator, step_s)
         self._every = np.arange(simulations)
         self.seeds = tuple(range(simulations) if seeds is None else seeds)
-        self._afloat = _afloat(scene, simulations, self.items)
-        self.item_wind, self.item_water = self._afloat.wind, self._afloat.water
-        self.item_class = self._afloat.kind
-        self._parking = parking_xy(self.items)
+        self._take_items(_afloat(scene, simulations, self.items))
         self._sizes = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in scene.vessels])
         self._active_steps = max(1, int(ACTIVE_S / step_s + 1e-9))  # steps
         self._engage(scene)
@@ -131,6 +128,12 @@ class Simulation:
         """State and warnings of the engine, and the items of active bodies, live."""
         return self.engine.state, self.engine.warning, self._bodies.item_of
 
+    def _take_items(self, afloat: Afloat) -> None:
+        """Take the items of all simulations."""
+        self._afloat, self.items = afloat, afloat.kind.shape[1]
+        self.item_wind, self.item_water = afloat.wind, afloat.water
+        self.item_class, self._parking = afloat.kind, parking_xy(self.items)
+
     def _engage(self, scene: Scene) -> None:
         """Take a scene, with an engine of its own."""
         self.scene = scene
@@ -142,15 +145,17 @@ class Simulation:
             table, kinds = HEADER + len(scene.vessels) * VESSEL_WIDTH, self._afloat.kinds
             kinds.flat[:] = self.model.numeric_data[table : table + kinds.size]
             first = int(self.model.dof_bodyid[VESSEL_DOFS * len(scene.vessels)])
-            quays = quays_of(self.model, first, scene.land, scene.pitch_m)
-            self._reach = quays.radius_m + CLOSING_MPS * self._active_steps * self.step_s
-            afloat, bodies = self._afloat, self._bodies
-            averaged = self._integrator is Integrator.FAST
-            self._activate = BoundKernel(
-                activate, afloat, bodies, self._pose, self._sizes, self._reach
-            )
-            self._sync_items = BoundKernel(sync_items, afloat, bodies)
-            self._drift = BoundKernel(drift, afloat, quays, self.step_s, averaged)
+            self._quays = quays_of(self.model, first, scene.land, scene.pitch_m)
+            self._reach = self._quays.radius_m + CLOSING_MPS * self._active_steps * self.step_s
+            self._bind_items()
+
+    def _bind_items(self) -> None:
+        """Bind the kernels that move items."""
+        afloat, bodies = self._afloat, self._bodies
+        averaged = self._integrator is Integrator.FAST
+        self._activate = BoundKernel(activate, afloat, bodies, self._pose, self._sizes, self._reach)
+        self._sync_items = BoundKernel(sync_items, afloat, bodies)
+        self._drift = BoundKernel(drift, afloat, self._quays, self.step_s, averaged)
 
     def _bind(self, vessels: int) -> None:
         """Bind the engine's arrays: inputs, and what it steps."""
@@ -205,9 +210,31 @@ class Simulation:
         """Put simulations (indices or mask, all by default) back to the start, items parked."""
         which = self._every if ids is None else self._every[ids]
         install()
-        self.engine.reset(which)
+        self.engine.reset(np.sort(which))
         self.item_wind[which] = self.item_water[which] = 0.0
+        self._afloat.active[which], self._bodies.item_of[which] = False, -1
         self.place_items(self._parking, -1, which)
+
+    def restart(self, ids: NDArray[np.int64], seeds: Sequence[int | str], items: int) -> None:
+        """Put simulations (indices) back to the start, for other runs.
+
+        Parameters
+        ----------
+        seeds : (index,) names of these runs
+        items : places for them in each simulation, if more than now
+        """
+        named = list(self.seeds)
+        for sim, seed in zip(ids, seeds, strict=True):
+            named[sim] = seed
+        self.seeds = tuple(named)
+        if items > self.items:
+            wide, before = _afloat(self.scene, self.simulations, items), self._afloat
+            wide.q[:] = parking_xy(items)
+            for new, old in zip(wide, before, strict=True):
+                new[:, : old.shape[1]] = old
+            self._take_items(wide)
+            self._bind_items()
+        self.reset(ids)
 
     def place_vessels(
         self,

@@ -20,3 +20,7 @@ def test_the_narrower_side_is_padded() -> None:
         [1, 1],
         [5, -1],
     ]
+    deep = scatter_rows(np.ones((2, 1, 2)), np.array([0]), np.full((1, 2, 1), 5.0), np.nan)
+    np.testing.assert_array_equal(
+        deep, [[[5, np.nan], [5, np.nan]], [[1, 1], [np.nan, np.nan]]], strict=False
+    )

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.base.randomness import UInt64Array
+from mjforage.base.randomness import UInt64Array, episode_keys
 from mjforage.base.views import CachedViews, read_only
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
@@ -140,13 +140,13 @@ def test_policies_bounds_and_metrics_can_write_to_nothing(
     assert writable(mission) == []
 
 
-def test_a_batch_that_took_in_other_episodes_can_not_be_written_to() -> None:
+def test_a_batch_in_which_others_have_started_can_not_be_written_to() -> None:
     """As vector environments do."""
-    mission, spare = mission_of("graph", RADIO), mission_of("graph", RADIO, episodes=1)
+    mission = mission_of("graph", RADIO)
     guide = create_policy("greedy")
     mission.prepare(guide)
     mission.advance(mission.ask(guide))
-    mission.replace_episodes(np.array([1]), spare)
+    mission.restart(np.array([1]), episode_keys(0, np.array([7])))
     assert writable(mission) == []
     assert mission.step.tolist() == [1, 0]
     mission.advance(mission.ask(guide))

@@ -95,25 +95,45 @@ SENSORS = ("sensors.detection=0.7", "sensors.false_rate=0.02", "sensors.map=filt
 RADIO = ("link.model=disk", "link.range_m=40", "link.loss=0.3", "link.burst=2", "link.latency=2")
 
 
+HULLS: dict[str, Any] = {
+    "scenario": "comb-port-weather",
+    "world": "physics",
+    "map": np.ones((6, 6)),
+    "set": ("horizon=7", "items.mean=2", "items.std=2", "items.covariance_node2=1"),
+}
+KINDS: dict[str, dict[str, Any]] = {
+    "plain": {"set": FEW},
+    "noisy": {"set": (*FEW, *SENSORS)},
+    "radio": {"set": (*FEW, *SENSORS, *RADIO)},
+    "hulls": HULLS,
+    "hulls on threads, radio": HULLS | {"set": (*HULLS["set"], *SENSORS, *RADIO)},
+    "hulls, items of the graph": HULLS | {"world": "calibrated"},
+}
+
+
 @pytest.mark.parametrize("mode", AutoresetMode)
-@pytest.mark.parametrize("more", [(), SENSORS, (*SENSORS, *RADIO)], ids=["plain", "noisy", "radio"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_sub_environments_are_single_environments_to_the_bit(
-    mode: AutoresetMode, more: tuple[str, ...]
+    mode: AutoresetMode, kind: str
 ) -> None:
     """Ends, final observations and rewards included: the bootstrap mask is what one env shows."""
-    num_envs = 3
-    options: dict[str, Any] = {"scenario": "published", "set": (*FEW, *more)}
+    num_envs, options = 3, {"scenario": "published", **KINDS[kind]}
     batch: Any = gymnasium.make_vec(NAMES[0], num_envs, autoreset_mode=mode, **options)
     assert batch.metadata["autoreset_mode"] is mode
     singles = [make(NAMES[0], **options) for _ in range(num_envs)]
     together, info = batch.reset(seed=7)
     for i, env in enumerate(singles):
         assert shown_of(*env.reset(seed=7 + i)) == of_env(together, i, info)
-    random, again, ends = np.random.default_rng(0), [False] * num_envs, 0
-    for _ in range(50):
+    random, again, ends, apart = np.random.default_rng(0), [False] * num_envs, 0, False
+    for step in range(20 if "world" in options else 50):
+        if step == 3:  # from here on not all end at once
+            together, info = batch.reset(options={"reset_mask": np.array([False, True, False])})
+            assert shown_of(*singles[1].reset()) == of_env(together, 1, info)
+            again[1] = False
         actions = random.integers(0, 9, (num_envs, 4))
         together, rewards, terminated, truncated, info = batch.step(actions)
         over = terminated | truncated
+        apart |= bool(over.any() and not over.all())
         restarted = [i for i in range(num_envs) if again[i]]
         for i in restarted:
             assert rewards[i] == 0.0 and not over[i]
@@ -134,7 +154,7 @@ def test_sub_environments_are_single_environments_to_the_bit(
             assert info["_step"].tolist() == over.tolist()
         for i in restarted:
             assert shown_of(*singles[i].reset()) == of_env(together, i, info)
-    assert ends >= 2 * num_envs
+    assert ends >= 2 * num_envs and apart
 
 
 def shown_of(observation: Any, info: dict[str, Any]) -> tuple[bytes, dict[str, float]]:
