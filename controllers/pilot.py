@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.controllers.chart import Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
 from mjforage.controllers.estimate import estimate
@@ -68,11 +68,11 @@ def _steer_fleet(fleets: FleetArrays, e: int, step_s: float, commands: FloatArra
 @kernel
 def _command(
     fleets: FleetArrays,
+    step_s: float,
+    commands: FloatArray,
     active: NDArray[np.bool_],
     pose: FloatArray,
     velocity: FloatArray,
-    step_s: float,
-    commands: FloatArray,
 ) -> None:
     """Measure and command every vessel of the active episodes; 0 for all others."""
     state, models = fleets.state, fleets.models
@@ -88,6 +88,18 @@ def _command(
             continue
         for v in range(models.shape[0]):  # what it leans on is not to be taken for the water
             limit_speeds(state[e], models, fleets.land, fleets.pitch, v)
+
+
+@kernel
+def _giving_way(state: FleetArray) -> NDArray[np.bool_]:
+    """(episode, vessel) see `Pilot.giving_way`."""
+    result = np.zeros(state.shape, np.bool_)
+    for e in range(state.shape[0]):
+        for v in range(state.shape[1]):
+            s = state[e, v]
+            most = s.most_ahead if s.way > 0.0 else s.most_astern
+            result[e, v] = s.mode == TRANSIT and (s.wait > s.clock or most < LIMITED_MPS)
+    return result
 
 
 class Pilot:
@@ -121,6 +133,8 @@ class Pilot:
             met=np.zeros((count, count)),
         )
         self._commands = np.zeros((episodes, count, 2))
+        self._command = BoundKernel(_command, self._fleets, self._step_s, self._commands)
+        self._giving_way = BoundKernel(_giving_way, self._fleets.state)
         self.reset()
 
     def reset(self, ids: NDArray[Any] | None = None) -> None:
@@ -189,20 +203,14 @@ class Pilot:
         (episode, vessel, 2) port, starboard, in the thruster's unit and range, 0 before the first
         order; valid until the next call
         """
-        _command(
-            self._fleets,
+        self._command(
             np.ascontiguousarray(active, np.bool_),
             np.ascontiguousarray(pose, np.float64),
             np.ascontiguousarray(velocity, np.float64),
-            self._step_s,
-            self._commands,
         )
         return self._commands
 
     @property
     def giving_way(self) -> NDArray[np.bool_]:
         """(episode, vessel) whether it is under way and held back for another vessel or a quay."""
-        state = self._fleets.state
-        most = np.where(state["way"] > 0.0, state["most_ahead"], state["most_astern"])
-        waits = (state["wait"] > state["clock"]) | (most < LIMITED_MPS)
-        return np.asarray((state["mode"] == TRANSIT) & waits)
+        return self._giving_way()

@@ -20,19 +20,16 @@ def scatter_rows(
     """
     if into.shape[1:] != values.shape[1:]:
         shape = np.maximum(into.shape[1:], values.shape[1:])
-        result = np.full((len(into), *shape), fill, into.dtype)
-        result[(slice(None), *_leading(into))] = into
-        result[rows] = fill
-        result[(rows, *_leading(values))] = values
-        return result
+        into, values = _padded(into, shape, fill), _padded(values, shape, fill)
     result = into.copy()
     result[rows] = values
     return result
 
 
-def _leading(array: NDArray[Any]) -> tuple[slice, ...]:
-    """Where an array lies in one that is at least as wide on each axis but the first."""
-    return tuple(slice(0, size) for size in array.shape[1:])
+def _padded(array: NDArray[T], shape: NDArray[np.int64], fill: float) -> NDArray[T]:
+    """As wide as `shape` beyond the first axis."""
+    more = np.subtract(shape, array.shape[1:])
+    return np.pad(array, [(0, 0), *((0, n) for n in more)], constant_values=fill)
 
 
 def scatter_all(

@@ -97,7 +97,10 @@ WORLDS = {
 
 
 def create_mission(
-    setup: Setup, world: str = "graph", trajectory: TrajectoryRecorder | None = None
+    setup: Setup,
+    world: str = "graph",
+    trajectory: TrajectoryRecorder | None = None,
+    threads: int = 1,
 ) -> Mission:
     """A mission in one of the worlds.
 
@@ -106,6 +109,7 @@ def create_mission(
     setup : scenario and map
     world : name in `WORLDS`
     trajectory : takes the frames of the batch's first episode
+    threads : of a batch of hulls; the graph world has one. Results do not depend on it
 
     Raises
     ------
@@ -113,8 +117,13 @@ def create_mission(
         If the scenario cannot be run in that world.
     """
     kind = WORLDS[world]
-    scenario = kind.adapt(setup.scenario)
-    return Mission(setup, kind.dynamics(setup.graph, setup.fleet, scenario, trajectory))
+    about = setup.graph, setup.fleet, kind.adapt(setup.scenario)
+    if threads == 1 or world == "graph":
+        return Mission(setup, kind.dynamics(*about, trajectory))
+    from mjforage.physics.dynamics.threaded_dynamics import ThreadedDynamics
+
+    others = (kind.dynamics(*about, None) for _ in range(threads - 1))
+    return Mission(setup, ThreadedDynamics([kind.dynamics(*about, trajectory), *others]))
 
 
 def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:

@@ -98,6 +98,12 @@ def check_mode(mode: object) -> None:
         raise UserError(f"render_mode = {mode!r}: unknown; choose None, {', '.join(RENDER_MODES)}")
 
 
+def check_threads(threads: object) -> None:
+    """Refuse a number of threads that is none. Raises `UserError` if so."""
+    if not isinstance(threads, Integral) or isinstance(threads, bool) or threads < 1:
+        raise UserError(f"threads = {threads!r}: give a whole number from 1 on")
+
+
 def checked_started(started: bool, what: str) -> None:
     """Raise `UserError` if no episode has begun."""
     if not started:

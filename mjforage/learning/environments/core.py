@@ -86,7 +86,7 @@ class EnvironmentCore:
         self.setup = options.setup
         self.setup.check_memory(num_envs)
         self.agents = len(self.setup.fleet)
-        self.mission = create_mission(self.setup, options.world)
+        self.mission = create_mission(self.setup, options.world, threads=options.threads)
         self._weights = options.weights
         self._terms = RewardTerms(self.setup.task, self._weights, turns)
         self._sums = {name: np.zeros((num_envs, self.agents)) for name in self._weights}

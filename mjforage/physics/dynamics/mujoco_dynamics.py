@@ -52,6 +52,7 @@ from mjforage.physics.dynamics.sensing import measured_poses
 from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid, look_out, tracked
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
+from mjforage.physics.simulation.instability import warnings_suppressed
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.weather import Field, WeatherSettings, flow_in
 from mjforage.scenario.roles import Fleet
@@ -228,23 +229,28 @@ class MujocoDynamics:
         """Carry out one decision: steer, drift, collect. Inactive episodes do not change."""
         state, simulation = self._state, self._simulation
         ids = np.flatnonzero(active)
+        if not ids.size:
+            return state
         target = self._centres_xy[moves.target]
         stay = moves.direction == STAY
         self._pilot.order(active, self._centres_xy[state.agent_node], target, stay)
         self._period.begin(active)
         state.pickup[active] = IDLE
         recorded = self._trajectory is not None and bool(active[0])
-        for tick in range(self._ticks):
-            pose = measured_poses(self._scenario.sensors, self._keys, self._tick, self._motion.pose)
-            self._look(active, pose)
-            if tick % WEATHER_TICKS == 0:
-                self._feel(active)
-                self._seek(active, Sent(target, stay))
-                if recorded and tick:
-                    self._record()
-            self._steer(active, ids, target, pose)
-            if self._intake:
-                self._collect(active)
+        with warnings_suppressed():  # entered once for all ticks
+            for tick in range(self._ticks):
+                pose = measured_poses(
+                    self._scenario.sensors, self._keys, self._tick, self._motion.pose
+                )
+                self._look(active, pose)
+                if tick % WEATHER_TICKS == 0:
+                    self._feel(active)
+                    self._seek(active, Sent(target, stay))
+                    if recorded and tick:
+                        self._record()
+                self._steer(active, ids, target, pose)
+                if self._intake:
+                    self._collect(active)
         self._settle(active, step, moves)
         if recorded:
             self._record()

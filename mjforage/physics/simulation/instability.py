@@ -4,6 +4,7 @@ MuJoCo puts an unstable state back to the start and goes on.
 """
 
 import contextlib
+import threading
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Any
@@ -79,12 +80,26 @@ def _silent_handler() -> Any:
     return cfunc(types.void(types.uintp))(ignore)
 
 
+_lock = threading.Lock()
+_handlers: list[Any] = []  # the one before the first of those in the context, once for each
+
+
 @contextlib.contextmanager
 def warnings_suppressed() -> Iterator[None]:
-    """Context in which MuJoCo counts warnings, and writes neither them nor MUJOCO_LOG.TXT."""
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(_silent_handler().ctypes)
+    """Context in which MuJoCo counts warnings, and writes neither them nor MUJOCO_LOG.TXT.
+
+    It may be entered again, and by several threads: the last to leave puts back what was before.
+    """
+    with _lock:
+        if not _handlers:
+            _handlers.append(mujoco.get_mju_user_warning())
+            mujoco.set_mju_user_warning(_silent_handler().ctypes)
+        else:
+            _handlers.append(_handlers[0])
     try:
         yield
     finally:
-        mujoco.set_mju_user_warning(before)
+        with _lock:
+            before = _handlers.pop()
+            if not _handlers:
+                mujoco.set_mju_user_warning(before)

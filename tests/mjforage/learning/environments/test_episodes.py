@@ -106,7 +106,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "noisy": {"set": (*FEW, *SENSORS)},
     "radio": {"set": (*FEW, *SENSORS, *RADIO)},
     "hulls": HULLS,
-    "hulls on threads, radio": HULLS | {"set": (*HULLS["set"], *SENSORS, *RADIO)},
+    "hulls on threads, radio": HULLS | {"set": (*HULLS["set"], *SENSORS, *RADIO), "threads": 2},
     "hulls, items of the graph": HULLS | {"world": "calibrated"},
 }
 
