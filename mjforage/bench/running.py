@@ -1,6 +1,7 @@
 """Speeds on this machine, per CPU second of one core, compile time excluded.
 
-Machines are shared: compare figures of one run, by their ratios.
+Machines are shared: compare figures of one run, by their ratios. Those of several threads are per
+second, and count where as many cores are free.
 """
 
 import statistics
@@ -13,29 +14,32 @@ from mjforage.bench.workloads import WORKLOADS, Work
 REPEATS = 5
 
 Progress = Callable[[str], None]
+Clock = Callable[[], float]
 
 
-def slice_of(work: Work, seconds: float) -> tuple[float, float]:
-    """Work done in at least so many CPU seconds, and the CPU seconds that it took."""
-    done, started = 0.0, time.process_time()
-    while (spent := time.process_time() - started) < seconds:
+def slice_of(work: Work, seconds: float, clock: Clock = time.process_time) -> tuple[float, float]:
+    """Work done in at least so many seconds of a clock, and the seconds that it took."""
+    done, started = 0.0, clock()
+    while (spent := clock() - started) < seconds:
         done += work()
     return done, spent
 
 
 @dataclass(frozen=True)
 class Rate:
-    """Work per CPU second of one core: the median of slices, and the quickest of them."""
+    """Work per second: the median of slices, and the quickest of them."""
 
     value: float
     quickest: float
     unit: str = ""
 
 
-def rate(work: Work, unit: str = "", seconds: float = 0.5) -> Rate:
+def rate(
+    work: Work, unit: str = "", seconds: float = 0.5, clock: Clock = time.process_time
+) -> Rate:
     """Measure `REPEATS` slices of at least so many seconds; a call before them compiles."""
     work()
-    slices = [slice_of(work, seconds) for _ in range(REPEATS)]
+    slices = [slice_of(work, seconds, clock) for _ in range(REPEATS)]
     rates = [done / spent for done, spent in slices]
     return Rate(statistics.median(rates), max(rates), unit)
 
@@ -45,6 +49,10 @@ def bench(progress: Progress = lambda key: None, keys: Sequence[str] = ()) -> di
     found = {}
     for key in keys or WORKLOADS:
         progress(key)
-        unit, make = WORKLOADS[key]
-        found[key] = rate(make(), f"{unit} per CPU second of one core")
+        unit, make, threads = WORKLOADS[key]
+        if threads == 1:
+            found[key] = rate(make(), f"{unit} per CPU second of one core")
+        else:
+            unit = f"{unit} per second on {threads} cores"
+            found[key] = rate(make(), unit, clock=time.perf_counter)
     return found

@@ -23,6 +23,7 @@ from mjforage.scenario.scenario_file import load_scenario
 
 BATCH = 400  # episodes side by side
 BELIEF_BATCH = 20
+DECISIONS = 10  # of an episode of hulls
 STEPS = "environment steps"
 LARGE = (
     *("team.scouts.count=32", "team.foragers.count=32", "items.mean=5000", "items.std=0"),
@@ -39,6 +40,7 @@ class Workload(NamedTuple):
 
     unit: str  # of the work
     make: Callable[[], Work]
+    threads: int = 1  # beyond one, rates are per second instead of CPU second
 
 
 def _hash(count: int) -> np.uint64:
@@ -136,6 +138,43 @@ def _environment(num_envs: int, steps: int = 50, **options: Any) -> Work:
     return work
 
 
+def _hulls_batch(episodes: int) -> Work:
+    """A mission of hulls by itself, with random moves."""
+    setup = Setup.of(load_scenario("comb-port", [f"horizon={DECISIONS}"]))
+    mission, policy = create_mission(setup, "physics"), create_policy("random")
+
+    def work() -> float:
+        mission.reset(0, np.arange(episodes))
+        mission.run(policy)
+        return float(mission.step.sum())
+
+    return work
+
+
+def _hulls_environment(num_envs: int, threads: int = 1) -> Work:
+    """The vector environment of hulls: half of its episodes start again between the others."""
+    env: Any = gymnasium.make_vec(
+        "mjforage/Foraging-v0",
+        num_envs=num_envs,
+        autoreset_mode="SameStep",
+        world="physics",
+        set={"horizon": DECISIONS},
+        threads=threads,
+    )
+    actions = np.random.default_rng(0).integers(0, 9, (DECISIONS, *env.action_space.shape))
+    half = np.arange(num_envs) % 2 == 0
+
+    def work() -> float:
+        env.reset(seed=0)
+        for step, action in enumerate(actions):
+            if step == DECISIONS // 2:
+                env.reset(options={"reset_mask": half})
+            env.step(action)
+        return float(num_envs * DECISIONS)
+
+    return work
+
+
 def _updates(count: int = 20) -> Work:
     """Updates of one team's network, draw and priorities included."""
     from mjforage.learning.training.hyperparameters import Hyperparameters, changed
@@ -173,6 +212,15 @@ WORKLOADS = {
     "physics": Workload(SIMULATED, partial(_simulation, Integrator.FAST)),
     "physics_reference": Workload(SIMULATED, partial(_simulation, Integrator.REFERENCE)),
     "physics_greedy": Workload("simulated seconds of a logged mission", _physics_mission),
+    **{f"physics_batch_{n}": Workload(STEPS, partial(_hulls_batch, n)) for n in (16, 64)},
+    **{
+        f"environment_physics_{n}": Workload(STEPS, partial(_hulls_environment, n))
+        for n in (1, 16, 64)
+    },
+    **{
+        f"environment_physics_{n}_threads_2": Workload(STEPS, partial(_hulls_environment, n, 2), 2)
+        for n in (16, 64)
+    },
     "environment": Workload(f"{STEPS}, observations included", partial(_environment, 64)),
     "environment_uint8": Workload(
         f"{STEPS}, observations included", partial(_environment, 256, **REUSED)
@@ -180,4 +228,5 @@ WORKLOADS = {
     "ddqn_updates": Workload("updates of one team's network", _updates),
 }
 """Key -> what is measured. Keys with `link` have radios with a range of 64 m, those with `misses`
-sensors that miss a tenth of the items."""
+sensors that miss a tenth of the items. `environment_physics_N` plays N episodes of hulls side by
+side, `physics_batch_N` as many without an environment."""

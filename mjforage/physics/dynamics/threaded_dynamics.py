@@ -25,14 +25,13 @@ class ThreadedDynamics:
 
     def __init__(self, each: Sequence[Dynamics]) -> None:
         """Take the dynamics, one for each thread; of fewer episodes the first ones play."""
-        self._each, self.pickup = tuple(each), each[0].pickup
+        self._each, self.pickup, self._compiled = tuple(each), each[0].pickup, False
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
         edges = np.linspace(0, keys.size, min(len(self._each), keys.size) + 1).astype(int)
         owns = map(slice, edges[:-1], edges[1:])
         self._parts: list[Part] = list(zip(self._each, owns, strict=False))
-        self._compiled = False
         every = np.arange(keys.size)
         return self._joined(
             [

@@ -18,6 +18,8 @@ from mjforage.scenario.scenario_file import load_scenario
         (lambda: workloads._physics_mission(2, 3), 2 * 3 * 10.0),
         (lambda: workloads._simulation(Integrator.FAST, 5.0), 5.0),
         (lambda: workloads._environment(2, 3), 2 * 3),
+        (lambda: workloads._hulls_batch(2), 2 * workloads.DECISIONS),
+        (lambda: workloads._hulls_environment(2, 2), 2 * workloads.DECISIONS),
         (lambda: workloads._updates(2), 2),
     ],
 )
@@ -45,7 +47,7 @@ def test_a_rate_is_the_median_of_slices_and_the_quickest(monkeypatch: pytest.Mon
     """The first call, which compiles, is none of them."""
     slices = iter([(8.0, 4.0), (8.0, 1.0), (8.0, 2.0)])
     monkeypatch.setattr(running, "REPEATS", 3)
-    monkeypatch.setattr(running, "slice_of", lambda work, seconds: next(slices))
+    monkeypatch.setattr(running, "slice_of", lambda *given: next(slices))
     calls = iter([100.0])
     assert rate(lambda: next(calls)) == Rate(value=4.0, quickest=8.0)
     assert not list(calls)
