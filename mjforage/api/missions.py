@@ -87,11 +87,11 @@ class Mission:
     (20, 200.0)
     """
 
-    def __init__(self, setup: Setup, world: str, batch: int | None) -> None:
+    def __init__(self, setup: Setup, world: str, batch: int | None, threads: int = 1) -> None:
         if not isinstance(setup, Setup):
             raise TypeError(f"setup is {type(setup).__name__}; make missions with make_mission")
         self._scenario = setup
-        self._core: Core = create_mission(setup, world)
+        self._core: Core = create_mission(setup, world, threads=threads)
         self._batch, self._legal = batch, LegalMoves(setup.task)
         self._started = False
 
@@ -238,7 +238,12 @@ class Mission:
 
 
 def make_mission(
-    scenario: Setup | Named, *, world: World = "graph", batch: int | None = None, **changes: Any
+    scenario: Setup | Named,
+    *,
+    world: World = "graph",
+    batch: int | None = None,
+    threads: int = 1,
+    **changes: Any,
 ) -> Mission:
     """A mission to be played step by step.
 
@@ -247,6 +252,7 @@ def make_mission(
     scenario : as of `evaluate`
     world : one of `mf.names("worlds")`
     batch : episodes side by side, the leading axis of every array; None: one, without that axis
+    threads : on which a batch of hulls moves; results do not depend on it
     changes : as of `Scenario.replace`
 
     Raises
@@ -269,4 +275,4 @@ def make_mission(
     number = None if batch is None else checks.whole("batch", batch, 1)
     setup = scenario_of(scenario, changes, make_mission)
     setup.check_memory(number or 1)
-    return Mission(setup, world, number)
+    return Mission(setup, world, number, checks.whole("threads", threads, 1))

@@ -72,7 +72,13 @@ def _how_it_ended(
 class EnvironmentCore:
     """Sub-environments, an episode in each; one is started again whenever its user wants."""
 
-    def __init__(self, options: EnvironmentOptions, num_envs: int = 1, turns: int = 1) -> None:
+    def __init__(
+        self,
+        options: EnvironmentOptions,
+        num_envs: int = 1,
+        turns: int = 1,
+        threads: int = 1,
+    ) -> None:
         """Prepare.
 
         Raises `UserError` if this machine has not the memory for them.
@@ -81,12 +87,13 @@ class EnvironmentCore:
         ----------
         num_envs : episodes side by side
         turns : steps of the environment in one of the mission, for discounts of a reward
+        threads : see `create_mission`
         """
         self.options, self.num_envs = options, num_envs
         self.setup = options.setup
         self.setup.check_memory(num_envs)
         self.agents = len(self.setup.fleet)
-        self.mission = create_mission(self.setup, options.world, threads=options.threads)
+        self.mission = create_mission(self.setup, options.world, threads=threads)
         self._weights = options.weights
         self._terms = RewardTerms(self.setup.task, self._weights, turns)
         self._sums = {name: np.zeros((num_envs, self.agents)) for name in self._weights}

@@ -11,7 +11,7 @@ from mjforage.base.cached import warn_once
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import encoder_label
-from mjforage.learning.environments.checks import check_mode, check_threads
+from mjforage.learning.environments.checks import check_mode
 from mjforage.learning.environments.choices import Overrides, check_known, chosen_setup
 from mjforage.learning.environments.rewards import reward_weights
 from mjforage.learning.environments.spaces import DTYPES
@@ -32,7 +32,6 @@ class EnvironmentArguments(TypedDict, total=False):
     set: Overrides
     render_mode: str | None
     dtype: str
-    threads: int
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,6 @@ class EnvironmentOptions:
         cluster
     set : overrides of the scenario: KEY -> value, or KEY=VALUE each
     dtype : "float32", values in [0, 1], or "uint8", levels that a learner divides by 255 itself
-    threads : on which a batch of hulls moves; results do not depend on it
     """
 
     scenario: str | Path | Scenario = "comb-port"
@@ -64,7 +62,6 @@ class EnvironmentOptions:
     set: Overrides = ()
     render_mode: str | None = None
     dtype: str = "float32"
-    threads: int = 1
     setup: Setup = field(init=False)
     weights: dict[str, float] = field(init=False)
 
@@ -74,7 +71,6 @@ class EnvironmentOptions:
         if self.dtype not in DTYPES:
             raise UserError(f"dtype = {self.dtype!r}: unknown; choose {', '.join(DTYPES)}")
         check_mode(self.render_mode)
-        check_threads(self.threads)
         object.__setattr__(self, "observation", encoder_label(self.observation))
         object.__setattr__(self, "setup", chosen_setup(self.scenario, self.map, self.set))
         for line in run_warnings(self.setup, (self.world,)):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.learning.environments.checks import (
+    check_threads,
     checked_moves,
     checked_options,
     checked_seed,
@@ -40,6 +41,8 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         `DISABLED` (nothing starts again but by `reset(options={"reset_mask": chosen})`)
     copy : True if every observation is in memory of its own; otherwise the next `step` or `reset`
         may overwrite it, which is quicker
+    threads : on which hulls move, at most one for each sub-environment; results do not depend on
+        it, and the graph world has one
     """
 
     metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
@@ -49,15 +52,17 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         num_envs: int = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         copy: bool = True,
+        threads: int = 1,
         **arguments: Unpack[EnvironmentArguments],
     ) -> None:
         if num_envs < 1:
             raise UserError(f"num_envs = {num_envs}: give 1 or more")
+        check_threads(threads)
         options = EnvironmentOptions.of(arguments)
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = _checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
-        self._core = EnvironmentCore(options, num_envs)
+        self._core = EnvironmentCore(options, num_envs, threads=threads)
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
         self._rows = np.arange(num_envs)

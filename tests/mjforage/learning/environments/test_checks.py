@@ -175,9 +175,10 @@ def test_what_is_no_mask_is_refused(mask: NDArray[Any]) -> None:
         env.reset(options={"reset_mask": mask})
 
 
-def test_a_batch_is_of_the_graph_world() -> None:
-    with pytest.raises(UserError, match=r"make_vec in the world 'hulls': .*mode='sync'"):
-        gymnasium.make_vec("mjforage/Foraging-v0", 2, world="hulls")
+@pytest.mark.parametrize("threads", [0, -1, 1.5, True, "2"])
+def test_what_is_no_number_of_threads_is_refused(threads: Any) -> None:
+    with pytest.raises(UserError, match=r"threads = .*: give a whole number from 1 on"):
+        gymnasium.make_vec("mjforage/Foraging-v0", 2, threads=threads)
 
 
 def test_an_unknown_way_to_start_again_is_refused() -> None:

@@ -120,6 +120,7 @@ def test_sub_environments_are_single_environments_to_the_bit(
     num_envs, options = 3, {"scenario": "published", **KINDS[kind]}
     batch: Any = gymnasium.make_vec(NAMES[0], num_envs, autoreset_mode=mode, **options)
     assert batch.metadata["autoreset_mode"] is mode
+    options.pop("threads", None)
     singles = [make(NAMES[0], **options) for _ in range(num_envs)]
     together, info = batch.reset(seed=7)
     for i, env in enumerate(singles):

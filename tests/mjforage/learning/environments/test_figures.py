@@ -70,6 +70,31 @@ def test_of_environments_side_by_side_each_draws_its_own_episode() -> None:
         assert np.array_equal(drawn, map_film([until(film, last)], SIZE).frame(float(last)))
 
 
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_figures_of_a_batch_are_those_of_single_environments(world: str) -> None:
+    """Also of one that started again while another went on."""
+    about: dict[str, Any] = {"set": SHORT, "world": world, "render_mode": "rgb_array"}
+    envs = gymnasium.make_vec("mjforage/Foraging-v0", num_envs=2, **about)
+    singles = [gymnasium.make("mjforage/Foraging-v0", **about) for _ in range(2)]
+    envs.reset(seed=3)
+    for i, env in enumerate(singles):
+        env.reset(seed=3 + i)
+    actions = np.random.default_rng(0).integers(0, 9, (5, 2, 4))
+    for step, action in enumerate(actions):
+        if step == 3:
+            envs.reset(options={"reset_mask": np.array([False, True])})
+            singles[1].reset()
+        envs.step(action)
+        for env, own in zip(singles, action, strict=True):
+            env.step(own)
+    drawn = envs.render()
+    assert isinstance(drawn, tuple)
+    assert len(drawn) == 2
+    for env, one in zip(singles, drawn, strict=True):
+        assert np.array_equal(picture_of(env), one)
+    assert not np.array_equal(*drawn)
+
+
 def test_the_background_is_painted_once_however_many_pictures() -> None:
     env = gymnasium.make("mjforage/Foraging-v0", set=SHORT, render_mode="rgb_array")
     many = gymnasium.make_vec(
