@@ -7,6 +7,7 @@ seconds itself. Listed tests of the folders of `WHOLE` play whole commands, trai
 they have the mark `thorough` too.
 """
 
+import os
 import re
 import sys
 from collections.abc import Iterator
@@ -16,6 +17,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+os.environ["MJFORAGE_COMPILING_SAID"] = "1"  # warnings are errors here
 settings.register_profile("mjforage", deadline=None, derandomize=True)
 settings.load_profile("mjforage")
 

@@ -22,6 +22,7 @@ from filelock import FileLock, Timeout
 from numba.core import compiler, config, event
 from numba.core.caching import IndexDataCacheFile
 
+from mjforage.base.compile_notice import say_compiling
 from mjforage.base.kernel_content import content, type_content
 
 KEPT_DAYS = 60
@@ -73,8 +74,11 @@ class KernelCache:
         Nothing is kept from them where the disk has the kernel, or has no locks.
         """
         folder, path = kernel_folder(), None
-        if folder is not None and signature not in self._dispatcher.overloads:
+        new = signature not in self._dispatcher.overloads
+        if folder is not None and new:
             path = folder / self._name(signature, self._dispatcher.targetctx.codegen())
+        if new and (path is None or not path.is_file()):
+            say_compiling(folder)
         if path is None or path.name in _held or path.is_file():
             yield
             return

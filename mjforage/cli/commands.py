@@ -1,6 +1,7 @@
 """The app with all of its commands: each module adds its own to it."""
 
 from mjforage.cli import (
+    compiling,  # noqa: F401
     completing,  # noqa: F401
     drawing,  # noqa: F401
     hulls,  # noqa: F401

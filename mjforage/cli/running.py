@@ -12,6 +12,7 @@ import cyclopts
 from rich.logging import RichHandler
 
 from mjforage.base.called import called
+from mjforage.base.compile_notice import leave_unsaid
 from mjforage.base.errors import UserError, printable
 from mjforage.base.interrupted import CODE as INTERRUPTED
 from mjforage.base.interrupted import WORDS
@@ -30,6 +31,7 @@ def run(arguments: Sequence[str] | None, interrupted: Callable[[], bool]) -> Non
     interrupted : True if Ctrl-C has come, whatever was made of it
     """
     _prepare_streams()
+    leave_unsaid()  # `progress` shows it
     logging.basicConfig(
         level=logging.WARNING,
         format="%(message)s",
