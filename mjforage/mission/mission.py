@@ -225,7 +225,7 @@ class Mission:
 
     @cached_property
     def _spare(self) -> "Mission":
-        """What is known in episodes that start in rows of the batch, before they are part of it."""
+        """Knowledge in episodes that start in rows of the batch, before they are part of it."""
         return Mission(self.setup, self._dynamics, copy.copy(self.exchange))
 
     @property
