@@ -22,6 +22,7 @@ LISTENING = {
     "nobody": ("", True),
     "as a library": ("import mjforage\n", True),
     "warnings only": ("import logging; logging.basicConfig()\n", True),
+    "a level alone": ("import logging, mjforage; logging.getLogger().setLevel('INFO')\n", True),
     "all": ("import logging; logging.basicConfig(level='INFO')\n", False),
     "a handler of ours": (
         "import logging, mjforage\n"

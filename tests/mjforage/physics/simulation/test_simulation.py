@@ -1,8 +1,10 @@
+import contextlib
 import dataclasses
 import math
 from collections.abc import Callable
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from mjforage.physics.port_drive import (
 )
 from mjforage.physics.scene import build_scene, with_bodies
 from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
+from mjforage.physics.simulation.instability import warnings_suppressed
 from mjforage.physics.vessels import load_vessel
 
 OTTER = load_vessel("otter")
@@ -141,3 +144,15 @@ def test_steps_that_runge_kutta_cannot_take_are_named() -> None:
     Simulation(scene, integrator=Integrator.FAST, step_s=0.5)
     with pytest.raises(UserError, match=r"step 0.1 s .* lag_s = 0.04 s of scout_1; .* 0.08 s"):
         Simulation(scene, integrator=Integrator.REFERENCE, step_s=0.1)
+
+
+def test_warnings_are_suppressed_until_the_last_has_left() -> None:
+    """Whoever entered first: contexts of threads end in any order."""
+    assert mujoco.get_mju_user_warning() is None
+    first, second = contextlib.ExitStack(), contextlib.ExitStack()
+    for one in (first, second):
+        one.enter_context(warnings_suppressed())
+    first.close()
+    assert mujoco.get_mju_user_warning() is not None
+    second.close()
+    assert mujoco.get_mju_user_warning() is None
