@@ -33,7 +33,7 @@ def say_compiling(folder: Path | None) -> None:
     if _is_read(logging.INFO):
         _log.info("%s", line)
     else:
-        warnings.warn(line, stacklevel=3)
+        warnings.warn_explicit(line, UserWarning, __name__, 1)  # no line of numba's
 
 
 def _is_read(level: int) -> bool:

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mjforage.base.compiled import kernel
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.mission.initial_state import LEEWAY, item_noise, steady_vectors
@@ -46,13 +47,13 @@ def _drawn_vectors(keys: UInt64Array, reach: float) -> FloatArray:
 
 @kernel
 def _wind(
-    t_s: FloatArray,
-    xy: FloatArray,
     mean: FloatArray,
     gust_keys: UInt64Array,
     intensity: float,
     tau_s: float,
     shelter: Shelter,
+    t_s: FloatArray,
+    xy: FloatArray,
 ) -> FloatArray:
     """Mean wind and the gusts along and across it, weaker in the lee, (episode, point, 2) [m/s]."""
     out = np.empty(xy.shape)
@@ -84,8 +85,6 @@ def _sheltered(xy: FloatArray, mean: FloatArray, shelter: Shelter) -> FloatArray
 
 @kernel
 def _current(
-    t_s: FloatArray,
-    xy: FloatArray,
     mean: FloatArray,
     keys: UInt64Array,
     wander: float,
@@ -93,6 +92,8 @@ def _current(
     patches: FloatArray,
     spacing_m: float,
     corner_m: float,
+    t_s: FloatArray,
+    xy: FloatArray,
 ) -> FloatArray:
     """Streams and circulation at points, (episode, point, 2) [m/s]."""
     out = np.empty(xy.shape)
@@ -113,7 +114,7 @@ def _current(
 
 @kernel
 def _item_noise(
-    t_s: FloatArray, keys: UInt64Array, items: int, reach: float, period_s: float
+    keys: UInt64Array, reach: float, period_s: float, t_s: FloatArray, items: int
 ) -> FloatArray:
     """The paper's noise of the period that is on, as (x, y), (episode, item, 2) [m/s]."""
     out = np.empty((t_s.size, items, 2))
@@ -186,6 +187,22 @@ class Field:
             NO_SHELTER if graph is None else shelter_of(graph, settings.shelter_height_m),
         )
 
+    @cached_property
+    def _wind(self) -> BoundKernel[FloatArray]:
+        gusts = self._gust_keys, self.settings.gust_intensity, self.settings.gust_tau_s
+        return BoundKernel(_wind, self.mean_wind_mps, *gusts, self._shelter)
+
+    @cached_property
+    def _current(self) -> BoundKernel[FloatArray]:
+        drawn = self.mean_current_mps, self._current_keys, self.settings.current_wander_mps
+        flow = self._flow.patches, self._flow.spacing_m, self._flow.corner_m
+        return BoundKernel(_current, *drawn, self.settings.circulation_mps, *flow)
+
+    @cached_property
+    def _item_noise(self) -> BoundKernel[FloatArray]:
+        of_items = self.settings.item_noise_mps, self.settings.item_noise_period_s
+        return BoundKernel(_item_noise, self._noise_keys, *of_items)
+
     def __len__(self) -> int:
         return int(self.mean_wind_mps.shape[0])
 
@@ -198,15 +215,7 @@ class Field:
         Gusts are Ornstein-Uhlenbeck processes of `gust_tau_s` along and across the mean wind, the
         same at every point. In the lee of land mean wind and gusts are weaker by one factor.
         """
-        return _wind(
-            self._times(t_s),
-            np.ascontiguousarray(xy, np.float64),
-            self.mean_wind_mps,
-            self._gust_keys,
-            self.settings.gust_intensity,
-            self.settings.gust_tau_s,
-            self._shelter,
-        )
+        return self._wind(self._times(t_s), np.ascontiguousarray(xy, np.float64))
 
     def sheltered(self, xy: FloatArray) -> FloatArray:
         """Share (episode, point) of the mean wind that land leaves at points (episode, point, 2).
@@ -220,17 +229,7 @@ class Field:
 
         Streams and circulation, which no quay lets through.
         """
-        return _current(
-            self._times(t_s),
-            np.ascontiguousarray(xy, np.float64),
-            self.mean_current_mps,
-            self._current_keys,
-            self.settings.current_wander_mps,
-            self.settings.circulation_mps,
-            self._flow.patches,
-            self._flow.spacing_m,
-            self._flow.corner_m,
-        )
+        return self._current(self._times(t_s), np.ascontiguousarray(xy, np.float64))
 
     def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:
         """Velocity (episode, item, 2) [m/s] that an item's own water adds to the current.
@@ -238,5 +237,4 @@ class Field:
         It is constant for a period: period n starts at n `item_noise_period_s` and has the draws
         of the graph's step n + 1.
         """
-        reach, period_s = self.settings.item_noise_mps, self.settings.item_noise_period_s
-        return _item_noise(self._times(t_s), self._noise_keys, items, reach, period_s)
+        return self._item_noise(self._times(t_s), items)
