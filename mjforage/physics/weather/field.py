@@ -1,8 +1,7 @@
 """Wind and current at points, for a batch of episodes."""
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -152,6 +151,9 @@ class Field:
     _noise_keys: UInt64Array
     _flow: Flow
     _shelter: Shelter
+    _wind: BoundKernel[FloatArray] = field(init=False)
+    _current: BoundKernel[FloatArray] = field(init=False)
+    _item_noise: BoundKernel[FloatArray] = field(init=False)
 
     @classmethod
     def create(
@@ -187,21 +189,19 @@ class Field:
             NO_SHELTER if graph is None else shelter_of(graph, settings.shelter_height_m),
         )
 
-    @cached_property
-    def _wind(self) -> BoundKernel[FloatArray]:
-        gusts = self._gust_keys, self.settings.gust_intensity, self.settings.gust_tau_s
-        return BoundKernel(_wind, self.mean_wind_mps, *gusts, self._shelter)
-
-    @cached_property
-    def _current(self) -> BoundKernel[FloatArray]:
-        drawn = self.mean_current_mps, self._current_keys, self.settings.current_wander_mps
-        flow = self._flow.patches, self._flow.spacing_m, self._flow.corner_m
-        return BoundKernel(_current, *drawn, self.settings.circulation_mps, *flow)
-
-    @cached_property
-    def _item_noise(self) -> BoundKernel[FloatArray]:
-        of_items = self.settings.item_noise_mps, self.settings.item_noise_period_s
-        return BoundKernel(_item_noise, self._noise_keys, *of_items)
+    def __post_init__(self) -> None:
+        settings, flow = self.settings, self._flow
+        gusts = self._gust_keys, settings.gust_intensity, settings.gust_tau_s, self._shelter
+        drawn = self._current_keys, settings.current_wander_mps, settings.circulation_mps
+        streams = flow.patches, flow.spacing_m, flow.corner_m
+        noise = self._noise_keys, settings.item_noise_mps, settings.item_noise_period_s
+        bound = {
+            "_wind": BoundKernel(_wind, self.mean_wind_mps, *gusts),
+            "_current": BoundKernel(_current, self.mean_current_mps, *drawn, *streams),
+            "_item_noise": BoundKernel(_item_noise, *noise),
+        }
+        for name, query in bound.items():
+            object.__setattr__(self, name, query)
 
     def __len__(self) -> int:
         return int(self.mean_wind_mps.shape[0])
