@@ -1,4 +1,4 @@
-"""What a notebook shows of a run: its table, and the web player of an episode."""
+"""Parts of a run that a notebook shows: its table, and the web player of an episode."""
 
 from html import escape
 from typing import TYPE_CHECKING

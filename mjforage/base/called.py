@@ -1,4 +1,4 @@
-"""What was called: a command, or a function of `import mjforage`. Run folders say it."""
+"""Name of the call: a command, or a function of `import mjforage`. Run folders say it."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
