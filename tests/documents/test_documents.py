@@ -20,14 +20,21 @@ from tests.documents.blocks import LANGUAGES, SHELL, Block, blocks, pages
 
 ALL = [block for page in pages() for block in blocks(page)]
 COMMANDS = [block for block in ALL if block.language == SHELL]
-LIBRARIES = {"my_ppo": "stable_baselines3", "my_torchrl": "tensordict"}
-"""A module of a page -> what it needs and an installation may lack."""
+LIBRARIES = {
+    "my_ppo": "stable_baselines3",
+    "my_torchrl": "tensordict",
+    **{name: name for name in ("sb3_contrib", "stable_baselines3", "torchrl")},
+}
+"""What a block names -> what it needs and an installation may lack."""
 MOST = {"--episodes": 2, "--jobs": 1, "--duration": 2}
 """No command is run with more than this. Episodes and jobs change no command's meaning, and
 numbers are the same whoever computes; a film of 2 s has all that a longer one has."""
+FEWER = {"DECISIONS": 4096, "EPISODES": 1}
+"""Constants of Python blocks, `DECISIONS = 200_000`: no block trains or plays more."""
 SETTING_UP = ("pip ", "python3 -m venv", "make ")
 """A statement that begins so is about an environment, which tests have."""
 
+_CONSTANT = re.compile(rf"^({'|'.join(FEWER)}) = ([\d_]+)", re.M)
 _OF_A_SHELL = re.compile(r"[|&;<>$`]")
 
 
@@ -57,6 +64,11 @@ def smaller(command: list[str]) -> list[str]:
         if option in MOST and value.isdecimal():
             cut[at] = str(min(int(value), MOST[option]))
     return cut
+
+
+def shorter(script: str) -> str:
+    """Return a script with its constants cut to `FEWER`."""
+    return _CONSTANT.sub(lambda at: f"{at[1]} = {min(int(at[2]), FEWER[at[1]])}", script)
 
 
 @pytest.fixture
@@ -98,7 +110,7 @@ def run_python(block: Block, folder: Path, names: dict[str, Any]) -> None:
     """Import a block that is a module, with its tests; run any other, by the names so far."""
     if block.file is None:
         script = folder / f"block_{block.line}.py"
-        script.write_text(block.text)
+        script.write_text(shorter(block.text))
         found = runpy.run_path(str(script), init_globals=names, run_name="__main__")
         names |= {name: value for name, value in found.items() if not name.startswith("__")}
         return
@@ -123,6 +135,11 @@ def test_every_block_runs(page: str, folder: Path, command: Callable[..., Any]) 
             for statement in statements(block.text):
                 if not statement.startswith(SETTING_UP):
                     run_statement(statement, env, command)
+
+
+def test_constants_are_cut() -> None:
+    text = "DECISIONS = 200_000  # of one agent\nEPISODES = 1\nMORE = 3\nx = DECISIONS = 7\n"
+    assert shorter(text) == text.replace("200_000", "4096")
 
 
 @pytest.mark.parametrize("block", COMMANDS, ids=str)

@@ -1,4 +1,4 @@
-"""The tables of docs/learning.md against what an environment gives."""
+"""The tables of docs/learning/environments.md against what an environment gives."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import Any
 
 import gymnasium
 
-PAGE = Path(__file__).parents[4] / "docs" / "learning.md"
+PAGE = Path(__file__).parents[4] / "docs" / "learning" / "environments.md"
 ROW = re.compile(r"^\|(?P<array>[^|]*)\| *(?P<entries>\d[\d, ]*)\|", re.MULTILINE)
 ENTRIES_ON_AXIS = {"map": 0, "local_map": 0, "global_map": 0, "moves": 1, "own": 0}
 
