@@ -121,6 +121,7 @@ def run_python(block: Block, folder: Path, names: dict[str, Any]) -> None:
         test()
 
 
+@pytest.mark.filterwarnings("ignore:PettingZoo in TorchRL", "ignore:Creating .*WeightUpdater")
 @pytest.mark.parametrize("page", [p for p in pages() if any(not b.mark for b in blocks(p))])
 def test_every_block_runs(page: str, folder: Path, command: Callable[..., Any]) -> None:
     env, names = environment(folder), dict[str, Any]()

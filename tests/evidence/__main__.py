@@ -16,7 +16,7 @@ from mjforage.view.page.figure import house_style, png_bytes, smaller
 from mjforage.view.report.studies import communication
 from mjforage.view.report.studies.board_page import write_board_page
 from tests.documents.blocks import pages
-from tests.evidence import trained
+from tests.evidence import trained, tutorials
 from tests.evidence.page import renewed
 from tests.evidence.piece import REPOSITORY, Piece, load, made, pieces, provenance, save
 from tests.evidence.playing import RUNS, Runs, facts, play
@@ -40,6 +40,7 @@ FILES: dict[str, Callable[[Runs], None]] = {
     "board": board,
     "study-communication": picture_of_links,
     "family-seeds": trained.curves,
+    "scores": tutorials.curves,
 }
 """Pieces that write files: those that their `files` name."""
 

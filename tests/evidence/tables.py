@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mjforage.runs.parquet import read_parquet
 from mjforage.view.report.studies import ablation, corruption
-from tests.evidence import returns, trained
+from tests.evidence import returns, trained, tutorials
 from tests.evidence.cells import average, beside, defined, gap, interval, mean
 from tests.evidence.piece import Cell, Piece, Row, Spec
 from tests.evidence.playing import Runs
@@ -132,6 +132,7 @@ WHOLE: dict[str, Callable[[Runs], Iterator[list[Cell]]]] = {
     "tuned-in-physics": trained.tuned,
     "rewards": returns.rewards,
     "rewards-learnt": returns.learnt,
+    "scores": tutorials.scores,
 }
 """Tables that are no numbers of runs and studies."""
 

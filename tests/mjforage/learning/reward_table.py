@@ -42,18 +42,20 @@ class Stay:
 
 
 def played(
-    scenario: str, policy: str, episodes: int, world: str = "graph", turns: int = 1
+    scenario: str, policy: str | Policy, episodes: int, world: str = "graph", turns: int = 1
 ) -> dict[str, Values]:
     """Sums of the terms of the default reward, return, PTA_C [%] and NT90 [%] of each episode.
 
     Parameters
     ----------
+    policy : "stay", name of a policy, or one
     turns : steps of the environment in a decision of the fleet: agents for SharedPolicy-v0
     """
     core = EnvironmentCore(EnvironmentOptions(scenario, world), episodes, turns)
     numbers = np.arange(episodes)
     core.start(numbers, episode_keys(7, numbers))
-    mission, one = core.mission, Stay() if policy == "stay" else create_policy(policy)
+    mission, one = core.mission, Stay() if policy == "stay" else policy
+    one = create_policy(one) if isinstance(one, str) else one
     one.reset(mission.task, mission.keys)
     while mission.active.any():
         outcome = core.play(one.act(mission.observation))
