@@ -19,6 +19,7 @@ from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.mission.policy import Policy
 from mjforage.mission.task import Observation, Task
 from mjforage.scenario.scenario_file import preset_names
 from tests.controllers.proving_ground import say
