@@ -53,6 +53,7 @@ def _imports(script: str) -> str:
 
 def train(page: str, folder: Path) -> Iterator[dict[str, Any]]:
     """Train what a page trains, in a folder; yield label, CPU minutes and curve of each."""
+    folder.mkdir(parents=True)
     for block in blocks(f"docs/learning/{page}.md"):
         if block.file:
             (folder / block.file).write_text(block.text)
@@ -81,25 +82,24 @@ def curve_of(label: str, folder: Path) -> Curve:
 def policies(folder: Path) -> dict[str, Any]:
     """Ours, and those that the trainings in a folder have left."""
     found: dict[str, Any] = {name: create_policy(name) for name in SHIPPED}
-    for label, file in (("twenty_lines", "ppo"), ("graph", "graph"), ("physics", "physics")):
+    made = runpy.run_path(str(folder / "fleet" / "fleet.py"))
+    found["fleet"] = made["Fleet"](folder / "fleet" / "fleet.pt")
+    files = {"twenty_lines": "twenty_lines/ppo", "graph": "hulls/graph", "physics": "hulls/physics"}
+    for label, file in files.items():
         found[label] = policy_of_model(MaskablePPO.load(folder / f"{file}.zip"), label)()
-    made = runpy.run_path(str(folder / "fleet.py"))
-    return {**found, "fleet": made["Fleet"](folder / "fleet.pt")}
+    return found
 
 
 def main(words: Sequence[str] | None = None) -> None:
     """Train, play and write."""
     parser = argparse.ArgumentParser(prog="python -m tests.mjforage.learning.tutorials")
     parser.add_argument("--episodes", type=int, default=EPISODES)
-    parser.add_argument("--folder", type=Path, help="keep what the pages leave here")
     parser.add_argument("--json", type=Path, required=True)
     chosen = parser.parse_args(words)
     with TemporaryDirectory() as temporary:
-        folder = chosen.folder or Path(temporary)
-        folder.mkdir(parents=True, exist_ok=True)
-        trained = {}
+        folder, trained = Path(temporary), {}
         for page in PAGES:
-            for one in train(page, folder):
+            for one in train(page, folder / page):
                 trained[one.pop("label")] = one
                 say(f"{page}: {one['minutes']:.1f} CPU minutes, PTA_C {one['curve'][-1][1]:.1f} %")
         scores = {
