@@ -54,10 +54,13 @@ def drawn(curves: dict[str, Any], levels: dict[str, float]) -> bytes:
     with house_style():
         figure = canvas(5.6, 2.6)
         axes = figure.subplots()
+        before = 0.0  # the second training goes on from the first
         for label, colour in zip(curves, style.FALLBACK_COLOURS, strict=False):
             decisions, shares = zip(*curves[label], strict=True)
             name = label if len(curves) > 1 else "training"
-            axes.plot([each / 1000 for each in decisions], shares, color=colour, label=name)
+            places = [(before + each) / 1000.0 for each in decisions]
+            axes.plot(places, shares, color=colour, label=name)
+            before += decisions[-1]
         for name, level in levels.items():
             look = style.policy_styles([name])[name]
             axes.axhline(level, color=look.colour, linestyle=":", linewidth=1.0, label=name)
