@@ -118,6 +118,8 @@ def labelled(weights: Mapping[str, float]) -> dict[str, float]:
         raise UserError(f"reward = {weights!r}: give a weight for each term, as {{'removed': 1.0}}")
     found: dict[str, float] = {}
     for text, weight in weights.items():
+        if not isinstance(text, str):
+            raise UserError(f"reward {text!r}: is {type(text).__name__}; give the name of a term")
         term_class(text)
         name = str(REWARDS.bound(text)[0])
         if name in found:
@@ -137,6 +139,7 @@ def checked_names(weights: Mapping[str, float], known: Iterable[str]) -> dict[st
 
 def finite(name: str, weight: float) -> float:
     """A weight. Raises `UserError` if it is no finite number."""
-    if not isinstance(weight, int | float) or not np.isfinite(weight):
+    number = isinstance(weight, int | float | np.number) and not isinstance(weight, bool)
+    if not number or not np.isfinite(weight):
         raise UserError(f"reward {name} = {weight!r}: give a finite number")
     return float(weight)

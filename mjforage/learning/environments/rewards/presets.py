@@ -56,7 +56,7 @@ def reward_weights(reward: str | Mapping[str, float]) -> dict[str, float]:
     ----------
     reward : name of `PRESETS`, with options in parentheses; or names of terms and presets, each
         with a weight: a preset's weights are multiplied by its own, presets add up, and terms
-        replace those of presets
+        replace those of presets, whatever the options of either
     """
     if isinstance(reward, str):
         if parse_reference(reward, "reward").name not in PRESETS:
@@ -66,11 +66,18 @@ def reward_weights(reward: str | Mapping[str, float]) -> dict[str, float]:
         return checked_weights(reward)
     presets = {text: _preset(text) for text in reward if isinstance(text, str)}
     own = labelled({text: weight for text, weight in reward.items() if not presets.get(text)})
+    replaced = {_term(text) for text in own}
     found: dict[str, float] = {}
     for text, weights in presets.items():
         for term, weight in (weights or {}).items():
-            found[term] = found.get(term, 0.0) + weight * finite(text, reward[text])
+            if _term(term) not in replaced:
+                found[term] = found.get(term, 0.0) + weight * finite(text, reward[text])
     return checked_weights(labelled(found) | own)
+
+
+def _term(text: str) -> str:
+    """Name of a term without its options."""
+    return text.partition("(")[0].strip()
 
 
 def _preset(text: str) -> dict[str, float] | None:

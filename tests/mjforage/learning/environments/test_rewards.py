@@ -1,11 +1,14 @@
 """Reward terms against their definitions, in plain numpy, along played episodes."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import mjforage
+from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.rewards import REWARDS, RewardTerms
+from mjforage.learning.environments.rewards import REWARDS, RewardTerms, reward_weights
 from mjforage.learning.environments.rewards.items_gained import _count
 from mjforage.learning.environments.rewards.term import Before
 from mjforage.mission.dynamics import ARRIVED, BLOCKED
@@ -164,3 +167,27 @@ def test_each_agent_is_paid_for_the_items_that_it_removed_itself() -> None:
             assert infos[a]["reward/removed"] == own and rewards[a] == own - 0.5
             earned[names.index(a)] += own
     assert not earned[:2].any() and earned[2] != earned[3] and present == names[2:]
+
+
+@pytest.mark.parametrize(
+    ("given", "term", "weight"),
+    [
+        ({"mission(gamma=0.95)": 1, "fresh": 0}, "fresh", None),
+        ({"mission": 1, "reach(decay=0.5)": 7}, "reach", ("reach(decay=0.5)", 7.0)),
+        ({"mission": 1, "fresh(gamma=0.95)": np.float32(3)}, "fresh", ("fresh(gamma=0.95)", 3.0)),
+    ],
+)
+def test_a_term_replaces_a_presets_whatever_its_options(
+    given: dict[str, Any], term: str, weight: tuple[str, float] | None
+) -> None:
+    found = {k: v for k, v in reward_weights(given).items() if k.partition("(")[0] == term}
+    assert found == (dict([weight]) if weight else {})
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [({1: 2.0}, "reward 1: is int; give the name"), ({"collected": True}, "give a finite number")],
+)
+def test_weights_of_another_type_are_one_line(given: Any, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        reward_weights(given)
