@@ -23,6 +23,11 @@ LISTENING = {
     "as a library": ("import mjforage\n", True),
     "warnings only": ("import logging; logging.basicConfig()\n", True),
     "a level alone": ("import logging, mjforage; logging.getLogger().setLevel('INFO')\n", True),
+    "a handler of warnings": (
+        "import logging; handler = logging.StreamHandler(); handler.setLevel('WARNING')\n"
+        "logging.basicConfig(level='INFO', handlers=[handler])\n",
+        True,
+    ),
     "all": ("import logging; logging.basicConfig(level='INFO')\n", False),
     "a handler of ours": (
         "import logging, mjforage\n"

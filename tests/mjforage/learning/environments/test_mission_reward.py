@@ -48,7 +48,8 @@ def test_names_of_rewards() -> None:
         "blocked": -1.0,
     }
     assert reward_weights({"ddqn": 2, "published": 1})["removed"] == 2 * 0.5 + 5.91
-    assert "reach(gamma=0.9)" in reward_weights("mission(gamma=0.9)")
+    discounted = {f"{name}(gamma=0.9)" for name in ("known", "reach", "fresh")}
+    assert {*reward_weights("mission(gamma=0.9)")} == {"collected", "early", *discounted}
     with pytest.raises(UserError, match="reward mission = 'x': give a finite number"):
         EnvironmentOptions(reward={"mission": "x"})  # type: ignore[dict-item]
     for wrong, said in {"mision": "did you mean mission?", "mission(gama=1)": "gamma"}.items():

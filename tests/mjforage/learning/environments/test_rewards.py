@@ -1,5 +1,6 @@
 """Reward terms against their definitions, in plain numpy, along played episodes."""
 
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -7,10 +8,12 @@ import pytest
 
 import mjforage
 from mjforage.base.errors import UserError
+from mjforage.graph_planner.graph.geodesics import Workspace
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.rewards import REWARDS, RewardTerms, reward_weights
 from mjforage.learning.environments.rewards.items_gained import _count
-from mjforage.learning.environments.rewards.term import Before
+from mjforage.learning.environments.rewards.potentials import WithinReach
+from mjforage.learning.environments.rewards.term import Before, Step
 from mjforage.mission.dynamics import ARRIVED, BLOCKED
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
@@ -23,13 +26,13 @@ def setup() -> Setup:
 
 
 def potentials(mission: Mission, at: Before, e: int) -> dict[str, np.ndarray]:
-    """Each potential (agent,) of an episode, where no energy has an end."""
+    """Each potential (agent,) of an episode in which somebody has energy left."""
     graph, fleet, ledger = mission.setup.graph, mission.setup.fleet, mission.ledger
     afloat, found = at.item_node[e] >= 0, ledger.t_discovered[e]
     items = ((mission.state.item_node[e] >= 0) | (ledger.t_collected[e] >= 0)).sum()
     seen = afloat & (found >= 0) & (found <= at.step[e])
     away = graph.distances[at.agent_node[e]][:, at.item_node[e][seen]].astype(float)
-    away[~fleet.collects] = np.inf
+    away[~fleet.collects | (at.energy_left[e] < 1.0)] = np.inf
     reach = np.zeros(len(fleet))
     np.add.at(reach, away.argmin(axis=0), 0.85 ** away.min(axis=0))
     unseen_for = at.step[e] - at.last_seen[e].astype(float)
@@ -109,6 +112,33 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
     later = (mission.ledger.t_discovered > 0).sum()
     assert sums["discovered"] == later > sums["removed"], "scouts find more than is removed"
     assert all(sums[name] != 0.0 for name in REWARDS.names() if name != "blocked")
+
+
+@pytest.mark.parametrize("table", [True, False])
+def test_an_item_is_near_the_nearest_forager_that_has_energy(setup: Setup, table: bool) -> None:
+    """With a table of distances, and on a map without one."""
+    mission, task, workspace = Mission(setup), setup.task, Workspace.of(len(setup.graph))
+    if not table:
+        task = copy(task)
+        none = np.empty((0, 0), np.float32)
+        task.__dict__["arrays"] = setup.task.arrays._replace(distances=none)
+    mission.reset(3, np.arange(3))
+    policy = create_policy("greedy")
+    policy.reset(setup.task, mission.keys)
+    for _ in range(30):
+        mission.advance(policy.act(mission.observation))
+    at, (first, second) = Before.of(mission), setup.fleet.collectors
+    energy_left, near = at.energy_left.copy(), at.agent_node.copy()
+    energy_left[0, first], energy_left[1, second] = 0.5, 1.0
+    known, reach = (at.item_node >= 0) & (mission.ledger.t_discovered >= 0), WithinReach()
+    for e, item_node in enumerate(at.item_node):
+        near[e, [first, second]] = item_node[known[e]][[0, -1]]
+    for agent_node in (near, at.agent_node):
+        there = at._replace(energy_left=energy_left, agent_node=agent_node)
+        found = reach.value(Step(mission, there, task, workspace), there)
+        assert found[0, first] == 0.0 < found[0, second]
+        for e in range(3):
+            assert found[e] == pytest.approx(potentials(mission, there, e)["reach"], abs=1e-6)
 
 
 def test_an_agent_without_a_legal_move_is_blocked_and_the_others_are_not() -> None:

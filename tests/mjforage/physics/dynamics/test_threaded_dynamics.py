@@ -1,13 +1,18 @@
 """A batch on several threads is the batch on one, to the bit."""
 
+from collections.abc import Callable
+from functools import partial
+from threading import get_ident
 from typing import Any
 
+import gymnasium
 import mujoco
 import numpy as np
 import pytest
 
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.dynamics import Transition
 from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.threaded_dynamics import ThreadedDynamics
@@ -52,11 +57,40 @@ def test_results_do_not_depend_on_the_number_of_threads(world: str) -> None:
         assert shown(threads, world) == one
 
 
-def test_the_error_of_an_episode_is_that_of_its_batch() -> None:
+def test_parts_of_a_batch_move_on_threads_of_their_own() -> None:
+    """All but in the first decision, which compiles; as many as an environment is asked for."""
+    envs: Any = gymnasium.make_vec(
+        "mjforage/Foraging-v0", 3, threads=2, world="hulls", set=("horizon=5",)
+    )
+    envs.reset(seed=3)
+    seen: list[int] = []
+
+    def noted(advance: Callable[..., Transition], *about: Any) -> Transition:
+        seen.append(get_ident())
+        return advance(*about)
+
+    parts = envs.unwrapped._core.mission._dynamics._parts
+    assert [own for _, own in parts] == [slice(0, 1), slice(1, 3)]
+    for part, _ in parts:
+        part.advance = partial(noted, part.advance)
+    envs.step(envs.action_space.sample())
+    assert seen == [get_ident()] * 2
+    envs.step(envs.action_space.sample())
+    first, second = seen[2:]
+    assert first != second and get_ident() in (first, second)
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_the_error_of_an_episode_is_that_of_its_batch(again: bool) -> None:
+    """Also of one that was started in a batch, beside one of another part."""
     mission = create_mission(SETUP, "physics", threads=2)
     mission.reset(3, np.array([7, 12]))
     dynamics, preferences = mission._dynamics, np.zeros((2, 4, 9))
     assert isinstance(dynamics, ThreadedDynamics)
+    if again:
+        episodes = np.array([6, 12])
+        names = [f"3, episode {episode}" for episode in episodes]
+        mission.restart(np.arange(2), episode_keys(3, episodes), names)
     mission.advance(preferences)
     handler = mujoco.get_mju_user_warning()
     second: Any = dynamics._parts[1][0]
