@@ -73,7 +73,10 @@ def test_a_run_is_judged_on_them_and_goes_on_only_with_them(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("judged", "words"),
     [
-        ("harbours:900-905", "6 maps for evaluate_episodes = 5; give fewer maps, or .*=6 or more"),
+        (
+            "harbours:900-905",
+            "6 maps for evaluate_episodes = 5; give fewer maps, or .* = 6 or more",
+        ),
         ("harbours:3-0", "expected harbours:FIRST-LAST"),
         ("nowhere", "nowhere"),
     ],

@@ -112,5 +112,5 @@ def test_more_items_near_vessels_than_bodies_can_be_are_refused(
 ) -> None:
     monkeypatch.setattr(simulation, "MOST_BODIES", 12)
     sim = scattered(BASIN, Integrator.FAST, ALWAYS, monkeypatch, bodies=4)
-    with pytest.raises(UserError, match=r"physics: 60 items within .* at most 12 .*items=graph"):
+    with pytest.raises(UserError, match=r"physics: 60 items within .* at most 12 .*items = graph"):
         sim.step(1)
