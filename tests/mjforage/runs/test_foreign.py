@@ -185,5 +185,5 @@ def test_a_json_file_larger_than_any_of_ours_is_refused(
     run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(foreign, "_LARGEST", 100)
-    with pytest.raises(UserError, match="run.json: 0 MB are more than any run writes; run what"):
+    with pytest.raises(UserError, match="0 MB are more than any run writes; run what"):
         read_json(run / "run.json")
