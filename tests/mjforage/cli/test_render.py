@@ -39,7 +39,7 @@ def test_render_draws_a_frame_a_series_and_films(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["-o", "a.png", "--episode", 2], "it holds episodes 0 to 1 of greedy, lawnmower"),
+        (["-o", "a.png", "--episode", 2], "episode 2: give 0 to 1"),
         (["-o", "a.png", "--beside", "pso"], "no episode 0 of pso"),
         (["-o", "a.png", "--camera", "front"], 'Invalid value "front" for --camera'),
         (["-o", "a.png", "--world", "moon"], "no episode 0 of greedy in world moon"),
@@ -48,7 +48,7 @@ def test_render_draws_a_frame_a_series_and_films(
         (["-o", "a.png", "--start", 81], "start 81 s: the episode lasts from 0 to 80 s"),
         (["-o", "a.mp4", "--fps", 0], "fps 0: must be over 0"),
         (["-o", "a.mp4", "--speed", "-1"], "speed -1: must be over 0"),
-        (["-o", "a.mp4", "--duration", "nan"], "duration nan"),
+        (["-o", "a.mp4", "--duration", "nan"], "duration_s = nan: give a finite number"),
     ],
 )
 def test_a_film_that_cannot_be_made_is_one_line(
