@@ -34,7 +34,8 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Arrays, NDArray[np.int64]]):
     what it has seen and received itself.
 
     **Reward** the sum over agents and terms; `info["reward/<term>"]` has each weighted term's, and
-    `info["episode_terms/<term>"]` their sums since the episode began.
+    `info["episode_terms/<term>"]` their sums since the episode began; `info["agent_rewards"]`
+    (agent,) is each agent's own reward.
     **End** terminated when no item is left or no agent has energy; truncated at the horizon.
     **Episode** decided by the seed of the last `reset(seed=...)` and the number of resets since.
     """
@@ -68,7 +69,9 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Arrays, NDArray[np.int64]]):
         action : (agent,) moves 0-8
         """
         moves = checked_moves(action, (self._core.agents,))
-        reward, ended, late, info = summed(self._play(moves))
+        outcome = self._play(moves)
+        reward, ended, late, info = summed(outcome)
+        info["agent_rewards"] = outcome.rewards[0].copy()
         return self._observed(), reward, ended, late, self._core.fact() | info
 
     def _observed(self) -> Arrays:

@@ -127,7 +127,8 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         """One decision of every fleet.
 
         Returns: observations, their leading axes env and agent; rewards (env,), summed over agents;
-        terminated and truncated (env,); what `info` has, each (env,) beside its mask. Raises
+        terminated and truncated (env,); what `info` has, each (env,) beside its mask,
+        `agent_rewards` (env, agent). Raises
         `UserError` if an action is not of its space, or there was no reset.
 
         Parameters
@@ -139,7 +140,10 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         outcome = self._core.step(moves)
         rewards = np.add.reduce(outcome.rewards, axis=1)
         terminated, truncated = outcome.terminated, outcome.truncated
-        played: dict[str, NDArray[Any]] = {"illegal": outcome.illegal}
+        played: dict[str, NDArray[Any]] = {
+            "illegal": outcome.illegal,
+            "agent_rewards": outcome.rewards,
+        }
         for name, term in outcome.terms.items():
             played[f"reward/{name}"] = np.add.reduce(term, axis=1)
             played[f"episode_terms/{name}"] = np.add.reduce(outcome.sums[name], axis=1)
@@ -211,7 +215,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         if valid is None:
             valid = np.ones(self.num_envs, np.bool_)
         elif valid.any():
-            facts = {name: fact * valid for name, fact in facts.items()}
+            facts = {name: (fact.T * valid).T for name, fact in facts.items()}
         else:
             return {}
         info: dict[str, Any] = {}

@@ -31,18 +31,23 @@ def flat(observation: Any) -> bytes:
     return bytes(observation.tobytes())
 
 
+def plain(info: dict[str, Any]) -> dict[str, Any]:
+    """Facts as numbers and lists of them."""
+    return {name: np.asarray(value).tolist() for name, value in info.items()}
+
+
 def episode(env: gymnasium.Env[Any, Any], seed: int | None, actions: int) -> list[Any]:
     """Everything that an episode shows, under random actions."""
     random = np.random.default_rng(actions)
     observation, info = env.reset(seed=seed)
-    shown: list[Any] = [flat(observation), sorted(info.items())]
+    shown: list[Any] = [flat(observation), plain(info)]
     for _ in range(400):
         if isinstance(env.action_space, gymnasium.spaces.Box):
             action: Any = random.uniform(-1, 1, 2).astype(np.float32)
         else:
             action = random.integers(0, 9, env.action_space.shape)
         observation, reward, terminated, truncated, info = env.step(action)
-        shown.append((flat(observation), reward, terminated, truncated, sorted(info.items())))
+        shown.append((flat(observation), reward, terminated, truncated, plain(info)))
         if terminated or truncated:
             return shown
     raise AssertionError("an episode without an end")
@@ -140,6 +145,7 @@ def test_sub_environments_are_single_environments_to_the_bit(
             assert rewards[i] == 0.0 and not over[i]
         for i in {*range(num_envs)} - {*restarted}:
             *seen, reward, ended, late, infos = singles[i].step(actions[i])
+            assert infos["agent_rewards"].sum() == pytest.approx(reward)
             assert (reward, ended, late) == (rewards[i], terminated[i], truncated[i])
             last = together, i, info
             if over[i] and mode is AutoresetMode.SAME_STEP:
@@ -158,15 +164,15 @@ def test_sub_environments_are_single_environments_to_the_bit(
     assert ends >= 2 * num_envs and apart
 
 
-def shown_of(observation: Any, info: dict[str, Any]) -> tuple[bytes, dict[str, float]]:
+def shown_of(observation: Any, info: dict[str, Any]) -> tuple[bytes, dict[str, Any]]:
     """All that one environment shows."""
-    return flat(observation), {name: float(value) for name, value in info.items()}
+    return flat(observation), plain(info)
 
 
-def of_env(together: Any, i: int, info: dict[str, Any]) -> tuple[bytes, dict[str, float]]:
+def of_env(together: Any, i: int, info: dict[str, Any]) -> tuple[bytes, dict[str, Any]]:
     """The same of one of a batch, as its info has it."""
     own = [name for name in info if f"_{name}" in info and not name.startswith("final_")]
-    infos = {name: float(info[name][i]) for name in own if info[f"_{name}"][i]}
+    infos = plain({name: info[name][i] for name in own if info[f"_{name}"][i]})
     if isinstance(together, dict):
         together = {name: each[i] for name, each in together.items()}
     else:
