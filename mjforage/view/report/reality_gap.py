@@ -92,7 +92,8 @@ def gap_figures(logs: RunLogs) -> list[ReportFigure]:
         f"Points: {last} minus {first}, mean over the same episodes; lines: bootstrap 95 % "
         "interval. At 0 a metric is the same in both worlds."
     )
-    return [ReportFigure("gap", "The reality gap", caption, figure, wide=True)]
+    title = f"{last.capitalize()} minus {first}"
+    return [ReportFigure("gap", title, caption, figure, wide=True)]
 
 
 def _draw(axes: Axes, contrasts: list[Contrast], metric: Description) -> None:
