@@ -302,3 +302,18 @@ def test_an_agent_without_energy_is_over_and_the_others_go_on() -> None:
         gone += sum(terminated.values())
         assert before - set(env.agents) == {a for a in before if terminated[a] or truncated[a]}
     assert gone == 2  # both foragers, of four agents
+
+
+def test_rewards_of_agents_are_those_of_the_parallel_view() -> None:
+    options: dict[str, Any] = {"scenario": "published", "set": FEW, "reward": "ddqn"}
+    fleet, batch = mjforage.parallel_env(**options), gymnasium.make_vec(NAMES[0], 1, **options)
+    fleet.reset(seed=3)
+    batch.reset(seed=3)
+    random, unlike = np.random.default_rng(0), 0
+    while fleet.agents:
+        moves = random.integers(0, 9, 4)
+        _, rewards, *_ = fleet.step(dict(zip(fleet.possible_agents, moves.tolist(), strict=True)))
+        *_, info = batch.step(moves[None])
+        assert info["agent_rewards"][0].tolist() == [*rewards.values()]
+        unlike += len({*rewards.values()}) > 1
+    assert unlike
