@@ -5,12 +5,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tests.evidence.cells import average, mean
+from tests.evidence.cells import average, beside, mean
 from tests.evidence.piece import Cell
 from tests.evidence.playing import FIGURES, Runs
-from tests.mjforage.learning.reward_table import correlation, ranks
+from tests.mjforage.learning.reward_table import Values, correlation, ranks
 
 MEASURES = {"return": "return", "pta_c": "PTA_C %", "nt90": "NT90 %"}
 
@@ -32,19 +31,24 @@ def rewards(runs: Runs) -> Iterator[list[Cell]]:
 
 
 def learnt(runs: Runs) -> Iterator[list[Cell]]:
-    """Of each seed of learning the PTA_C of the model and of `random`, and of all seeds."""
+    """PTA_C of the model and of `random`, and how many times as much the model collects."""
+    for seed, model, random in of_seeds(runs):
+        yield [seed, mean(model), mean(random), average([np.mean(model) / np.mean(random)])]
+
+
+def learnt_on_hulls(runs: Runs) -> Iterator[list[Cell]]:
+    """PTA_C of the model, what it is above that of `random`, and that."""
+    for seed, model, random in of_seeds(runs):
+        yield [seed, beside(model, random), mean(random)]
+
+
+def of_seeds(runs: Runs) -> Iterator[tuple[str, Values, Values]]:
+    """PTA_C of the model and of `random` for each seed of learning, then of the mean over seeds."""
     seeds = figures(runs, "")
-    for one in seeds:
-        yield [f"{one['seed']}", *beside_random(one["model"], one["random"])]
-    models: NDArray[np.float64] = np.mean([one["model"] for one in seeds], axis=0)
-    yield ["mean", *beside_random(models, seeds[0]["random"])]
-
-
-def beside_random(model: Any, random: Any) -> Iterator[Cell]:
-    """Both, and how many times as much the model collects."""
-    yield mean(model)
-    yield mean(random)
-    yield average([np.mean(model) / np.mean(random)])
+    models = np.array([one["model"] for one in seeds])
+    random = np.array(seeds[0]["random"])  # the same for all
+    yield from ((f"{one['seed']}", model, random) for one, model in zip(seeds, models, strict=True))
+    yield "mean", models.mean(axis=0), random
 
 
 def figures(runs: Runs, label: str) -> Any:

@@ -132,6 +132,7 @@ WHOLE: dict[str, Callable[[Runs], Iterator[list[Cell]]]] = {
     "tuned-in-physics": trained.tuned,
     "rewards": returns.rewards,
     "rewards-learnt": returns.learnt,
+    "rewards-learnt-on-hulls": returns.learnt_on_hulls,
     "scores": tutorials.scores,
 }
 """Tables that are no numbers of runs and studies."""
