@@ -9,10 +9,13 @@ from typing import Any, NamedTuple, cast
 import gymnasium
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 import mjforage  # noqa: F401  registers the environments
+from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
+from mjforage.mission.moves import preferences_of
 from mjforage.mission.setup import Setup
 from mjforage.physics.port_drive import drive, port_scene, port_simulation
 from mjforage.physics.simulation.integrators import Integrator
@@ -23,7 +26,7 @@ from mjforage.scenario.scenario_file import load_scenario
 
 BATCH = 400  # episodes side by side
 BELIEF_BATCH = 20
-DECISIONS = 10  # of an episode of hulls
+DECISIONS, HULLS = 10, 4  # of an episode of hulls
 STEPS = "environment steps"
 LARGE = (
     *("team.scouts.count=32", "team.foragers.count=32", "items.mean=5000", "items.std=0"),
@@ -138,38 +141,54 @@ def _environment(num_envs: int, steps: int = 50, **options: Any) -> Work:
     return work
 
 
+def _hulls(episodes: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Moves (step, episode, agent), and which of the episodes start again halfway."""
+    moves = np.random.default_rng(0).integers(0, 9, (DECISIONS, episodes, HULLS))
+    return moves, np.arange(episodes) % 2 == 0
+
+
 def _hulls_batch(episodes: int) -> Work:
-    """A mission of hulls by itself, with random moves."""
+    """A mission of hulls by itself, which does what `_hulls_environment` asks of its own."""
     setup = Setup.of(load_scenario("comb-port", [f"horizon={DECISIONS}"]))
-    mission, policy = create_mission(setup, "physics"), create_policy("random")
+    mission, (moves, half) = create_mission(setup, "physics"), _hulls(episodes)
+    first, second = (
+        np.concatenate([episode_keys(seed, np.array([number])) for seed in range(episodes)])
+        for number in (0, 1)
+    )
 
     def work() -> float:
-        mission.reset(0, np.arange(episodes))
-        mission.run(policy)
-        return float(mission.step.sum())
+        mission.start(first)
+        for step, chosen in enumerate(moves):
+            if step == DECISIONS // 2:
+                mission.restart(np.flatnonzero(half), second[half])
+            mission.advance(preferences_of(chosen))
+        mission.restart(np.flatnonzero(~half), second[~half])
+        return float(episodes * DECISIONS)
 
     return work
 
 
 def _hulls_environment(num_envs: int, threads: int = 1) -> Work:
-    """The vector environment of hulls: half of its episodes start again between the others."""
+    """The vector environment of hulls: half of its episodes start again between the others, which
+    start again at their end.
+    """
     env: Any = gymnasium.make_vec(
         "mjforage/Foraging-v0",
         num_envs=num_envs,
         autoreset_mode="SameStep",
+        scenario="comb-port",
         world="physics",
         set={"horizon": DECISIONS},
         threads=threads,
     )
-    actions = np.random.default_rng(0).integers(0, 9, (DECISIONS, *env.action_space.shape))
-    half = np.arange(num_envs) % 2 == 0
+    moves, half = _hulls(num_envs)
 
     def work() -> float:
         env.reset(seed=0)
-        for step, action in enumerate(actions):
+        for step, chosen in enumerate(moves):
             if step == DECISIONS // 2:
                 env.reset(options={"reset_mask": half})
-            env.step(action)
+            env.step(chosen)
         return float(num_envs * DECISIONS)
 
     return work
@@ -229,4 +248,4 @@ WORKLOADS = {
 }
 """Key -> what is measured. Keys with `link` have radios with a range of 64 m, those with `misses`
 sensors that miss a tenth of the items. `environment_physics_N` plays N episodes of hulls side by
-side, `physics_batch_N` as many without an environment."""
+side, `physics_batch_N` the same ones without an environment."""

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -5,6 +6,7 @@ import pytest
 from mjforage.bench import decisions, running, workloads
 from mjforage.bench.decisions import decision_times, fleet_setup
 from mjforage.bench.running import Rate, rate
+from mjforage.mission.mission import Mission
 from mjforage.physics.simulation.integrators import Integrator
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import load_scenario
@@ -27,6 +29,31 @@ def test_every_call_of_a_workload_does_the_same_work(work: object, amount: float
     assert callable(work)
     made = work()
     assert [made(), made()] == [amount, amount]
+
+
+def test_a_mission_and_an_environment_of_hulls_do_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Their rates differ by what the environment adds."""
+    seen: list[Any] = []
+
+    def noted(name: str) -> Callable[..., Any]:
+        call = getattr(Mission, name)
+
+        def noting(mission: Mission, *given: Any) -> Any:
+            found = call(mission, *given)
+            seen.append((name, mission.keys.tolist(), mission.state.agent_yaw.tolist()))
+            return found
+
+        return noting
+
+    for name in ("start", "restart", "advance"):
+        monkeypatch.setattr(Mission, name, noted(name))
+    workloads._hulls_batch(3)()
+    alone = seen.copy()
+    seen.clear()
+    workloads._hulls_environment(3)()
+    assert seen == alone and len(seen) == workloads.DECISIONS + 3
 
 
 def test_keys_say_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
