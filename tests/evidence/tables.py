@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
@@ -12,6 +13,7 @@ from tests.evidence import returns, trained, tutorials
 from tests.evidence.cells import average, beside, defined, gap, interval, mean
 from tests.evidence.piece import Cell, Piece, Row, Spec
 from tests.evidence.playing import Runs
+from tests.mjforage.bench import hulls_in_turn
 
 GRAPH = "graph"
 
@@ -95,6 +97,19 @@ def speeds(runs: Runs) -> Iterator[list[Cell]]:
         yield [f"`{key}`", value, quickest, figure["unit"]]
 
 
+def speeds_of_hulls(runs: Runs) -> Iterator[list[Cell]]:
+    """Batches of hulls by their size: rates, and ratios of slices that followed each other."""
+    for size in hulls_in_turn.SIZES:
+        keys = (key.format(size) for key in hulls_in_turn.COLUMNS)
+        alone, one, two = (np.array(runs.figures.get(key, np.nan)) for key in keys)
+        yield [f"{size}", *map(spread, (alone, one, one / alone, two, two / one))]
+
+
+def spread(values: NDArray[Any]) -> Cell:
+    """Median and range of values."""
+    return defined(mean=np.median(values), low=values.min(), high=values.max())
+
+
 def decision_times(runs: Runs) -> Iterator[list[Cell]]:
     """Times of each policy by the size of the fleet, those that plan first."""
     found: dict[str, list[Cell]] = {}
@@ -125,6 +140,7 @@ def picking(runs: Runs) -> Iterator[list[Cell]]:
 WHOLE: dict[str, Callable[[Runs], Iterator[list[Cell]]]] = {
     "validation": validation,
     "speeds": speeds,
+    "speeds-hulls": speeds_of_hulls,
     "decision-times": decision_times,
     "picking": picking,
     "family-seeds": trained.seeds,
