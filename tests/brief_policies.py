@@ -6,7 +6,7 @@ them, however long the search is.
 
 from mjforage.graph_planner.policies import policy_names
 
-BRIEF = {"dec-mcts": "dec-mcts(simulations=6)", "orienteering": "orienteering(solutions=30)"}
+BRIEF = {"dec-mcts": "dec-mcts(simulations=6)"}
 
 
 def brief_policies() -> list[str]:

@@ -18,7 +18,7 @@ DECISIVE = (
     *("scenario", "mission", "physics", "runs/tables.py"),
 )
 """Parts of our package that decide the numbers of a run; the rest draws, stores or prints."""
-COMPUTING = ("numpy", "numba", "scipy", "mujoco", "ortools", "torch", "torchrl")
+COMPUTING = ("numpy", "numba", "scipy", "mujoco", "torch", "torchrl")
 """Libraries whose version may change a number."""
 USUAL = ("numpy", "numba", "scipy")  # of them, those that every run uses
 DIGITS = 8

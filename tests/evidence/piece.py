@@ -23,7 +23,7 @@ import torch
 REPOSITORY = Path(__file__).parents[2]
 DATA = REPOSITORY / "docs" / "evidence" / "data"
 CODE = ("mjforage", "metrics", "controllers", "graph_planner", "models")
-LIBRARIES = ("numpy", "numba", "scipy", "mujoco", "ortools", "torch", "torchrl")
+LIBRARIES = ("numpy", "numba", "scipy", "mujoco", "torch", "torchrl")
 """Those whose version may change a number."""
 
 Cell = str | dict[str, float] | None

@@ -32,7 +32,7 @@ USERS_OWN = (
 """Modules that a user may have beside a script; importing any of them ends the process."""
 
 EXTRAS = (
-    *("av", "distributed", "ortools", "stable_baselines3", "tensorboard", "tensordict", "torch"),
+    *("av", "distributed", "stable_baselines3", "tensorboard", "tensordict", "torch"),
     "torchrl",
 )
 """Modules that an installation without extras lacks."""

@@ -26,7 +26,6 @@ POLICY_COLOURS: dict[str, str] = {
     "belief": "#409252",
     "auction": "#A54BFF",
     "ogr": "#36D9A0",
-    "orienteering": "#F6B509",
     "dec-mcts": "#BC2FAB",
     "oracle": "#111111",
     "pso": "#88880E",
@@ -50,7 +49,7 @@ FALLBACK_COLOURS: tuple[str, ...] = (
 
 MARKERS = (
     *("o", "s", "P", "$♥$", "^", "v", "D", "d"),
-    *("$♣$", "$♠$", "$▬$", "X", "<", ">", "p", "h"),
+    *("$♣$", "$▬$", "X", "<", ">", "p", "h"),
 )
 """Markers of the policies that ship, in their order; others take the remaining ones."""
 

@@ -25,7 +25,6 @@ PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["pro
         ("av", "film"),
         ("OpenGL.GL", "film"),
         ("distributed", "cluster"),
-        ("ortools.constraint_solver", "orienteering"),
         ("stable_baselines3.common", "libraries"),
         ("numpy", ""),
         ("no_such_thing", ""),
@@ -49,7 +48,7 @@ def test_what_is_not_installed_is_asked_for_in_one_line(monkeypatch: pytest.Monk
 def test_all_names_extras_that_there_are() -> None:
     there = PROJECT["optional-dependencies"]
     named = there["all"][0].removeprefix("mjforage[").removesuffix("]").split(",")
-    assert set(named) == there.keys() - {"all", "dev", "docs", "orienteering"}
+    assert set(named) == there.keys() - {"all", "dev", "docs"}
 
 
 def test_a_check_that_needs_no_torch_loads_none() -> None:
@@ -62,7 +61,6 @@ def test_a_check_that_needs_no_torch_loads_none() -> None:
         "av",
         "OpenGL",
         "distributed",
-        "ortools",
     ]
     program = f"""
 import sys

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 BLOCKED = (
-    *("torch", "torchrl", "tensordict", "tensorboard", "av", "OpenGL", "distributed", "ortools"),
+    *("torch", "torchrl", "tensordict", "tensorboard", "av", "OpenGL", "distributed"),
     "stable_baselines3",
 )
 REMEDY = "install it with pip install 'mjforage["
@@ -28,9 +28,6 @@ GOES = {
 LACKS = {
     DDQN: "policy ddqn: needs torch; @learn",
     ("evaluate", *SHORT, "--policy", "mappo"): "policy mappo: needs torch; @learn",
-    ("evaluate", *SHORT, "--policy", "orienteering"): (
-        "policy orienteering: needs ortools; @orienteering"
-    ),
     (*GREEDY, "--scheduler", "tcp://a:1"): "dask: needs distributed; @cluster",
     ("render", "run", "-o", "run.mp4"): "output run.mp4: needs av; @film",
     ("render", "run", "-o", "run.gif"): "output run.gif: needs av; @film",
@@ -98,7 +95,7 @@ def test_a_board_says_who_is_left_out_and_why(outcomes: Outcomes, folder: Path) 
     left_out = json.loads((folder / "board" / "study.json").read_text("utf-8"))["left_out"]
     reasons = {one["policy"]: one["reason"] for one in left_out}
     assert reasons["ddqn"] == LACKS[DDQN].replace("@", REMEDY) + "]'"
-    assert {"ddqn", "mappo", "orienteering"} < reasons.keys() and "greedy" not in reasons
+    assert {"ddqn", "mappo"} < reasons.keys() and "greedy" not in reasons
 
 
 def test_nothing_was_left_of_what_was_refused(tmp_path: Path) -> None:
