@@ -117,7 +117,7 @@ def decision_times(runs: Runs) -> Iterator[list[Cell]]:
         number = {"mean": one["ms"], "low": one["low"], "high": one["high"]}
         found.setdefault(one["policy"], []).append(one["reason"] or number)
     order = (
-        *("belief", "dec-mcts", "ogr", "auction", "ddqn", "ddqn-reward"),
+        *("belief", "dec-mcts", "auction", "ddqn", "ddqn-reward"),
         *("ddqn-link", "mappo", "greedy", "lawnmower", "levy", "wanderer", "pso", "random"),
     )
     for policy in (*order, *sorted(set(found) - set(order))):

@@ -25,7 +25,6 @@ POLICY_COLOURS: dict[str, str] = {
     "levy": "#802E09",
     "belief": "#409252",
     "auction": "#A54BFF",
-    "ogr": "#36D9A0",
     "dec-mcts": "#BC2FAB",
     "oracle": "#111111",
     "pso": "#88880E",
@@ -49,7 +48,7 @@ FALLBACK_COLOURS: tuple[str, ...] = (
 
 MARKERS = (
     *("o", "s", "P", "$♥$", "^", "v", "D", "d"),
-    *("$♣$", "$▬$", "X", "<", ">", "p", "h"),
+    *("$▬$", "X", "<", ">", "p", "h"),
 )
 """Markers of the policies that ship, in their order; others take the remaining ones."""
 

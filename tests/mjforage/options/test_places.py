@@ -16,7 +16,7 @@ from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.options.scenes import overrides_of
 
 EPISODES = np.array([4, 0, 7])
-PLANNERS = ("belief", "ogr", "oracle")
+PLANNERS = ("belief", "oracle")
 OTHERS = ("auction", "dec-mcts(simulations=8)", "greedy", "lawnmower", "levy", "pso", "wanderer")
 STORES = ("team.scouts.energy=12", "team.foragers.energy=9", "team.foragers.capacity=5")
 

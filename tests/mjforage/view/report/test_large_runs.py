@@ -70,10 +70,10 @@ def test_the_page_says_what_it_leaves_out_and_the_files_have_all(
     page = (many / "report.html").read_text()
     assert "show 2 of the 200 policies" in page
     assert re.findall("policy-0[0-9]+ − policy-0[0-9]+", page)[0] == "policy-0050 − policy-0100"
-    assert "policy ogr: is not in this run; choose policy-0000" in refused(
-        "report", many, "--policy", "ogr"
+    assert "policy auction: is not in this run; choose policy-0000" in refused(
+        "report", many, "--policy", "auction"
     )
-    assert "is for the report of one run" in refused("report", many, many, "--policy", "ogr")
+    assert "is for the report of one run" in refused("report", many, many, "--policy", "auction")
 
 
 def test_of_a_long_horizon_so_many_steps_are_drawn(make_run: MakeRun) -> None:
