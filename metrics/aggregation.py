@@ -51,7 +51,8 @@ def resampled_means(
     given = statistics.defined(values)
     valid, filled = ~np.isnan(given), np.nan_to_num(given)
     times = _times(np.zeros(given.shape[-1], np.int64), seed, resamples)
-    return ratio(filled @ times.T, valid.astype(np.float64) @ times.T)
+    sums = np.einsum("...e,re->...r", filled, times)
+    return ratio(sums, np.einsum("...e,re->...r", valid.astype(np.float64), times))
 
 
 def performance_profile(
@@ -99,7 +100,7 @@ def performance_profile(
     low, high = np.full(tau.shape, np.nan), np.full(tau.shape, np.nan)
     if runs.size > 1:
         groups = np.unique(labels, return_inverse=True)[1].astype(np.int64)
-        shares = _times(groups, seed, resamples) @ reached / runs.size
+        shares = np.einsum("re,et->rt", _times(groups, seed, resamples), reached) / runs.size
         ends = [percentiles(column, level) for column in shares.T]
         low, high = np.array(ends, dtype=np.float64).reshape(-1, 2).T
     return Interval(value, low, high, number)

@@ -6,6 +6,7 @@ kernel adds one stencil per differing node into a padded map, folds the padding 
 borders (scipy's mode `reflect`) and sums squares inside the bounding box.
 """
 
+import math
 from functools import lru_cache
 from math import sqrt
 
@@ -94,8 +95,8 @@ def checked_map(name: str, values: NDArray[np.number], cells: IntArray) -> NDArr
 @lru_cache(maxsize=1)
 def filter_weights() -> FloatArray:
     """Weights (9, 9) of the filter around one node; they add up to 1."""
-    offset = np.arange(-RADIUS, RADIUS + 1)
-    weights = np.exp(-0.5 * (offset / SIGMA) ** 2)
+    offset = range(-RADIUS, RADIUS + 1)
+    weights = np.array([math.exp(-0.5 * (node / SIGMA) ** 2) for node in offset])
     weights /= weights.sum()
     return np.outer(weights, weights)
 

@@ -188,7 +188,7 @@ def _checked(levels: ArrayLike, means: ArrayLike, at_least: int) -> tuple[FloatA
 def _line(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Slope, intercept and sum of squared residuals, each (...)."""
     centred = x - x.mean()
-    slope = np.asarray(y @ centred / np.sum(centred**2))
+    slope = np.asarray(np.sum(y * centred, axis=-1) / np.sum(centred**2))
     intercept = np.asarray(y.mean(axis=-1) - slope * x.mean())
     residual = y - intercept[..., None] - slope[..., None] * x
     return slope, intercept, np.sum(residual**2, axis=-1)
@@ -206,9 +206,14 @@ def _crossing(x: FloatArray, y: FloatArray, i: int) -> FloatArray:
 
 def _bent_at(x: FloatArray, y: FloatArray, i: int) -> FloatArray:
     """Best continuous line that bends at level `i`, (5, ...)."""
-    offset = x - x[i]
-    design = np.stack([np.ones_like(x), np.minimum(offset, 0), np.maximum(offset, 0)], axis=-1)
-    solution = y @ np.linalg.pinv(design).T  # (..., 3)
-    sse = np.sum((y - solution @ design.T) ** 2, axis=-1)
-    height, before, after = np.moveaxis(solution, -1, 0)
+    left, right = np.minimum(x - x[i], 0), np.maximum(x - x[i], 0)  # orthogonal
+    left_mean, right_mean = left.sum() / np.sum(left**2), right.sum() / np.sum(right**2)
+    rest = 1.0 - left_mean * left - right_mean * right  # of a constant: orthogonal to both
+    height = np.sum(y * rest, axis=-1) / np.sum(rest)
+    slopes = []
+    for side in (left, right):
+        slopes.append(np.sum((y - height[..., None]) * side, axis=-1) / np.sum(side**2))
+    before, after = slopes
+    fit = height[..., None] + before[..., None] * left + after[..., None] * right
+    sse = np.sum((y - fit) ** 2, axis=-1)
     return np.stack([np.full_like(sse, x[i]), height, before, after, sse])

@@ -139,10 +139,8 @@ class Beliefs:
 
         A track counts as -ln(1 - r), so that there is an item with its chance r.
         """
-        items, tracks = self.expected.copy(), self.tracks
-        for e, n in enumerate(tracks.number.tolist()):
-            surely = -np.log1p(-np.minimum(tr.CERTAIN_PLACE, tracks.real[e, :n]))
-            np.add.at(items[e], tracks.node[e, :n], surely)
+        items = self.expected.copy()
+        tr.add_expected(self.tracks, items)
         return items
 
     def _take_late(self, seen: Observation, e: int, now: int) -> Sequence[lt.Sighted]:

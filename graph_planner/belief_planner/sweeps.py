@@ -48,7 +48,7 @@ def lateness(discount: float) -> NDArray[np.float64]:
     ----------
     discount : weight of a decision over that of the one before; 1: the cost is the decision
     """
-    weights = discount ** np.arange(int(LONGEST))
+    weights = [discount**decision for decision in range(int(LONGEST))]
     return np.concatenate([np.zeros(1), np.cumsum(weights)])
 
 

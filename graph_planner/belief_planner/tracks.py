@@ -3,6 +3,7 @@
 Each decision the tracks are carried on, and then reconciled with what is in view (`reconciling`).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,15 @@ class Tracks(NamedTuple):
     now_col: NDArray[np.float64]
     real: NDArray[np.float64]  # (episode, track) chance that the item is there
     born_node: Int32Array  # (episode, track) node of the first sighting
+
+
+@kernel
+def add_expected(tracks: Tracks, items: NDArray[np.float64]) -> None:
+    """Add to items (episode, node) as many as make each track's chance that there is one."""
+    for e in range(items.shape[0]):
+        for t in range(tracks.number[e]):
+            chance = min(CERTAIN_PLACE, tracks.real[e, t])
+            items[e, tracks.node[e, t]] -= math.log1p(-chance)
 
 
 class Ended(NamedTuple):

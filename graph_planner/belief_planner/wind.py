@@ -5,6 +5,7 @@ squares of its two nodes and the items' own noise, which together look like a tr
 quays that hold items up say nothing.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -41,7 +42,8 @@ def wind(episodes: int, settings: BeliefSettings) -> Wind:
     largest = max(settings.drift_node_per_step, 1e-6)
     grid = np.linspace(-REACH * largest, REACH * largest, POINTS)
     prior = -BEYOND * np.maximum(0.0, np.abs(grid) / largest - 1.0)
-    chance = np.exp(prior) / np.exp(prior).sum()
+    share = np.array([math.exp(x) for x in prior])
+    chance = share / share.sum()
     return Wind(
         grid,
         prior,

@@ -53,7 +53,7 @@ class DecisionContext:
         self.key = np.uint64(stream_key(seen.keys[e], Stream.POLICY))
         self.step = int(seen.step[e])
         age = np.maximum(0, self.step - 1 - seen.agent_seen[e])
-        self.follows = 0.5 ** (age / self.trust)
+        self.follows = np.array([0.5 ** (steps / self.trust) for steps in age.tolist()])
 
 
 @kernel

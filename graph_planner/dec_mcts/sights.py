@@ -52,7 +52,7 @@ def sights_of(cells: int, landmarks: int, discount: float) -> Sights:
     """Scratch for so many cells; discount is the worth of a view a decision later."""
     stamps, marks = np.zeros((2, cells), np.int64), np.zeros((3, landmarks))
     token, worth = np.zeros(2, np.int64), np.zeros(cells)
-    fade = discount ** np.arange(LONGEST, dtype=np.float64)
+    fade = np.array([discount**decisions for decisions in range(LONGEST)], np.float64)
     return Sights(token, stamps[0], worth, stamps[1], marks[0], marks[1], marks[2], fade)
 
 

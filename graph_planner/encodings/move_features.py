@@ -44,7 +44,8 @@ MIDDLE, PER_NODE, PER_ATTRACTION = 128, 40.0, 32.0
 FADING = 0.85  # estimate: half is left after four nodes
 
 
-_PULLS = np.append(np.power(FADING, np.arange(40.0)), 0.0)  # of an item, by its distance [node]
+# Of an item, by its distance [node].
+_PULLS = np.array([*(FADING**node for node in range(40)), 0.0])
 
 
 @inlined

@@ -88,7 +88,7 @@ def delays_from(capture: Capture) -> tuple[FloatArray, float]:
         left = left * (1.0 - chances[..., decision])
     lost += left / chances[..., -1]
     tried = np.array([both.trials for both in capture.follows])
-    return lost.mean(axis=1), float(1.0 - follow @ tried / tried.sum())
+    return lost.mean(axis=1), float(1.0 - (follow * tried).sum() / tried.sum())
 
 
 def chances_from(capture: Capture) -> tuple[FloatArray, FloatArray]:

@@ -3,6 +3,7 @@
 Order (definitions, section 1): all move; foragers remove every item in their node; the rest drift.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -80,7 +81,7 @@ class GraphDynamics:
         noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
         self._items = ItemRule(graph, fleet, noise, walls, chances)
         self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
-        self._yaw = np.arctan2(-OFFSETS[:, 0], OFFSETS[:, 1]).astype(np.float64)
+        self._yaw = np.array([math.atan2(-down, right) for down, right in OFFSETS])
         self._mps = graph.pitch_m / scenario.period_s
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:

@@ -25,7 +25,8 @@ def reach_m(link: Link, antenna_m: NDArray[np.float64]) -> float:
         return link.range_m
     low, high = np.sort(antenna_m)[[0, -1]] if antenna_m.size < 2 else np.sort(antenna_m)[:2]
     margin, farthest = link.tx_dbm - link.floor_dbm, 0.0
-    for d in np.geomspace(1.0, _FARTHEST_M, _SOUNDINGS).tolist():
+    for sounding in range(_SOUNDINGS):
+        d = _FARTHEST_M ** (sounding / (_SOUNDINGS - 1))
         if link.model == "log-distance":
             loss = log_distance_loss_db(d, link.exponent, link.l0_db)
         else:

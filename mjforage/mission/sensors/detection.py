@@ -4,6 +4,8 @@ that may miss items or show false positives.
 Distances are between the centres of nodes, so chances are listed by squared distance.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +41,7 @@ def chances_by_square(
     if half == 0.0:
         return np.full(distance.size, detection)
     falling = np.minimum((distance - half) / slope, 700.0)  # beyond that exp overflows
-    return np.asarray(detection / (1.0 + np.exp(falling)))
+    return np.array([detection / (1.0 + math.exp(x)) for x in falling])
 
 
 @inlined

@@ -4,6 +4,7 @@ The draws are of (item, step), the same for all agents: agents at the same dista
 an item together. False positives are of (node, epoch). Scenario: `[sensors]`.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -80,7 +81,7 @@ def sensing(sensors: Sensors, task: Task, keys: UInt64Array, items: int) -> Sens
         merge=sensors.merge,
         false_rate=sensors.false_rate,
         false_hold=sensors.false_hold,
-        half_view=float(np.cos(np.deg2rad(sensors.fov_deg) / 2.0)),
+        half_view=math.cos(math.radians(sensors.fov_deg) / 2.0),
         collects=task.fleet.collects,
         rows=task.graph.rows,
         cols=task.graph.cols,

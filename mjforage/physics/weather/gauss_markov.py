@@ -29,8 +29,9 @@ LEVELS = 15
 SMALLEST = ROOT / 2**LEVELS  # length of an interval that is not halved any more [time constant]
 
 _LENGTHS = ROOT / 2.0 ** np.arange(LEVELS)  # (level,) of the interval that is halved
-_WEIGHTS = 0.5 / np.cosh(_LENGTHS / 2)  # (level,) of each end in the middle
-_DEVIATIONS = np.sqrt(np.tanh(_LENGTHS / 2))  # (level,) of the middle
+# Of each end in the middle, and deviation of the middle, (level,).
+_WEIGHTS = np.array([0.5 / math.cosh(h / 2) for h in _LENGTHS])
+_DEVIATIONS = np.array([math.sqrt(math.tanh(h / 2)) for h in _LENGTHS])
 
 
 @kernel

@@ -2,9 +2,9 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, sparse
-from scipy.sparse.linalg import splu
+from scipy import ndimage
 
+from mjforage.physics.weather.elimination import least_of_elements
 from mjforage.physics.weather.stream_element import FloatArray, element_matrix
 
 
@@ -65,15 +65,8 @@ def stream_functions(
         x[:, None, None] + end,
         2 * slope[:, None] + slope,
     ].reshape(-1, 16)
-    places = np.where(places < 0, count, places)  # those that are zero share one, to be dropped
-    pairs = (np.repeat(places, 16, axis=1).ravel(), np.tile(places, (1, 16)).ravel())
-    drag = np.tile(element_matrix(layer).ravel(), y.size)
-    whole = sparse.coo_array((drag, pairs), shape=(count + 1,) * 2)
-    work = np.zeros((count + 1, forces.shape[1]))
-    np.add.at(work, places.ravel(), np.tile(forces, (y.size, 1)))
-    solved = np.zeros_like(work)
+    solved = np.zeros((count + 1, forces.shape[1]))
     if count:
-        matrix = whole.tocsc()[:count, :count]
-        factors = splu(matrix, "MMD_AT_PLUS_A", 0.0, options={"SymmetricMode": True})
-        solved[:count] = factors.solve(work[:count])
+        corners = np.stack((y, x), axis=1)
+        solved[:count] = least_of_elements(places, corners, element_matrix(layer), forces)
     return solved[unknown]  # -1 is the last, which is zero
