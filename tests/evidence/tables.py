@@ -106,8 +106,11 @@ def speeds_of_hulls(runs: Runs) -> Iterator[list[Cell]]:
 
 
 def spread(values: NDArray[Any]) -> Cell:
-    """Median and range of values."""
-    return defined(mean=np.median(values), low=values.min(), high=values.max())
+    """Median and range of values, NaN left out."""
+    known = values[~np.isnan(values)]
+    if not known.size:
+        return {}
+    return defined(mean=np.median(known), low=known.min(), high=known.max())
 
 
 def decision_times(runs: Runs) -> Iterator[list[Cell]]:
