@@ -161,7 +161,7 @@ class Pictures:
             )
             lead = f"{shown.policy} in world {shown.world}, episode {shown.episode}"
             page = Page(self._info.name, lead, [], self._info.versions.get("mjforage", ""))
-            text = page.text(folder, {"": replace(self._logs, folder=folder)})
+            text = page.text(folder, replace(self._logs, folder=folder))
         return Player(text, lead)
 
     def recording(

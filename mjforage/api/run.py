@@ -195,30 +195,6 @@ class Run(Pictures):
         with write_errors(target):
             return Path(shutil.copyfile(page, target))
 
-    def report_beside(self, other: "Run", folder: Named | None = None) -> Path:
-        """Write a page on two runs of the same episodes: replays and paired differences.
-
-        Parameters
-        ----------
-        other : the run that is compared with this one
-        folder : for `report.html` and its tables; None: `compared-with-NAME` in the run folder
-
-        Raises
-        ------
-        UserError
-            If the runs do not share episodes, or one is not complete.
-        """
-        from mjforage.view.report import write_pair
-
-        if not isinstance(other, Run):
-            raise TypeError(f"other is {type(other).__name__}; give a Run")
-        self._check_complete()
-        other._check_complete()
-        if folder is None and self._in_memory:
-            raise UserError("report_beside: the run has no folder; give one for the page")
-        target = None if folder is None else checks.path("folder", folder)
-        return write_pair(self._folder, other._folder, target)
-
     def save(self, folder: Named) -> Path:
         """Copy the run into a folder that is not there yet, as the command line writes it.
 

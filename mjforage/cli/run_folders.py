@@ -171,8 +171,7 @@ def _play(
 def report(
     folder: Path,
     /,
-    *others: Path,
-    out: Annotated[Path | None, FOLDER] = None,
+    *,
     tables: str = "",
     figures: str = "",
     policy: ShownPolicies = (),
@@ -181,23 +180,14 @@ def report(
 ) -> None:
     """Draw tables, figures and report.html again, from the logs of a run or study alone.
 
-    With two run folders: one page with the replays of both and their paired differences, if they
-    share episodes, which is the same seed, map and items.
-
     Parameters
     ----------
     folder
         Folder that evaluate, compare or study wrote.
-    others
-        A second run, to compare the first with.
-    out
-        Folder for the page on two runs; default FOLDER/compared-with-NAME.
     tables
-        Write every table of one run or study into tables/ as well, in these formats: latex csv
-        markdown.
+        Write every table into tables/ as well, in these formats: latex csv markdown.
     figures
-        Write every figure of one run or study into figures/ in these formats: pdf png svg; letters
-        stay text.
+        Write every figure into figures/ in these formats: pdf png svg; letters stay text.
     policy
         Show these policies of a run alone; repeatable. By default all, or of more than 20 the best.
     page
@@ -209,25 +199,14 @@ def report(
     from mjforage.view.report.studies import is_study
 
     formats: dict[str, Any] = {"tables": _listed(tables), "figures": _listed(figures)}
-    if len(others) > 1:
-        raise UserError(f"report of {1 + len(others)} folders: name one, or two runs to compare")
-    if out is not None and not others:
-        raise UserError(f"--out {out}: is for a page on two runs; name two run folders")
-    if others and (tables or figures):
-        raise UserError("--tables and --figures: are of one run or study; name one folder")
     if page is not None and not folder.is_dir():
         raise UserError(f"--page {page}: {folder} is not there; name the folder of a board")
-    if page is not None and (others or not is_study(folder)):
+    if page is not None and not is_study(folder):
         raise UserError(f"--page {page}: is for a board; name the folder of one")
-    if policy and (others or is_study(folder)):
+    if policy and is_study(folder):
         raise UserError(f"--policy {policy[0]}: is for the report of one run; name its folder")
-    for one in (folder, *others) if others else ():
-        if is_study(one):
-            raise UserError(f"{one}: holds a study; name two runs, such as those in its variants/")
     with working("drawing the report"):
-        if others:
-            path = load_run(folder).report_beside(load_run(others[0]), out)
-        elif is_study(folder):
+        if is_study(folder):
             study = Study(folder)
             if page is not None:
                 study.board_page(page)

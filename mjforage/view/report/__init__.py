@@ -6,11 +6,10 @@ from pathlib import Path
 from mjforage.view.report.exports import NOTHING_ELSE, Exports, write_page
 from mjforage.view.report.report_page import draw_figures, metric_tables, report_page
 from mjforage.view.report.run_logs import load_logs
-from mjforage.view.report.run_pairs import write_pair
 from mjforage.view.report.shown import only, shown_policies
 from mjforage.view.report.text_tables import terminal_table
 
-__all__ = ["Exports", "terminal_table", "write_pair", "write_report"]
+__all__ = ["Exports", "terminal_table", "write_report"]
 
 
 def write_report(
@@ -41,4 +40,4 @@ def write_report(
     shown = only(logs, shown_policies(logs, policies))
     page = report_page(logs, shown, draw_figures(shown))
     more = metric_tables(logs) if shown is not logs else ()
-    return write_page(folder, page, {"": shown}, wanted, more)
+    return write_page(folder, page, shown, wanted, more)

@@ -1,6 +1,6 @@
 """Tables and figures of a report as files for a paper, in the formats wanted."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -61,7 +61,7 @@ def _chosen(what: str, names: Sequence[str], known: Collection[str]) -> tuple[st
 def write_page(
     folder: Path,
     page: Page,
-    runs: Mapping[str, RunLogs],
+    logs: RunLogs,
     wanted: Exports = NOTHING_ELSE,
     more: Sequence[Table] = (),
 ) -> Path:
@@ -69,7 +69,7 @@ def write_page(
 
     Parameters
     ----------
-    runs : label -> run whose recorded episodes the page plays
+    logs : run whose recorded episodes the page plays
     more : tables that are written as files only, instead of the page's of the same names
 
     Raises
@@ -77,7 +77,7 @@ def write_page(
     UserError
         If a file cannot be written.
     """
-    text = page.text(folder, runs)
+    text = page.text(folder, logs)
     for table in (*page.tables, *more):
         write_table(table, folder / "tables", ("csv", *wanted.tables))
     for picture in page.pictures:

@@ -1,7 +1,7 @@
 """Performance of the hulls: outcomes of moves, speeds, contacts and energy, by team."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import polars as pl
 
@@ -75,32 +75,20 @@ def _share(part: float, whole: float) -> float:
     return 100 * part / whole if whole else math.nan
 
 
-def hulls_table(runs: Mapping[str, RunLogs], episodes: int | None = None) -> Table:
-    """Outcomes, speeds, contacts and energy of every team; no rows for the graph world.
-
-    Parameters
-    ----------
-    runs : what stands before the policies -> run
-    episodes : how many of each run's; all if None
-    """
-    rows = tuple(
-        row
-        for name, logs in runs.items()
-        for case in logs.by_policy
-        if case.world != "graph"
-        for row in _rows(name, case, logs.run.episodes if episodes is None else episodes)
-    )
+def hulls_table(logs: RunLogs) -> Table:
+    """Outcomes, speeds, contacts and energy of every team; no rows for the graph world."""
+    rows = tuple(row for case in logs.by_policy if case.world != "graph" for row in _rows(case))
     labels, units, _ = zip(*SHOWN, strict=True)
     title = "Performance of the hulls"
     return Table("hulls", title, labels, rows, (NOTE,), units, head="team")
 
 
-def _rows(name: str, case: Case, episodes: int) -> Iterator[Row]:
-    """A row per team of a world and policy, of its first episodes."""
-    path, among = case.logs.folder / "agents.parquet", pl.col("episode") < episodes
-    removed = float(case.items().filter(among)["t_collected"].drop_nulls().len())
+def _rows(case: Case) -> Iterator[Row]:
+    """A row per team of a world and policy."""
+    path, episodes = case.logs.folder / "agents.parquet", case.logs.run.episodes
+    removed = float(case.items()["t_collected"].drop_nulls().len())
     decisions = scan_parquet(path, (*KEYS, *COLUMNS), REMEDY).filter(
-        among, pl.col("step") > 0, world=case.world, policy=case.policy
+        pl.col("step") > 0, world=case.world, policy=case.policy
     )
     found = collected(path, decisions.group_by("episode", "agent").agg(**_SUMS), REMEDY)
     teams: dict[str, list[int]] = {}
@@ -109,4 +97,4 @@ def _rows(name: str, case: Case, episodes: int) -> Iterator[Row]:
     for team, own in teams.items():
         numbers = _figures(found.filter(pl.col("agent").is_in(own)), episodes, removed)
         cells = [number_cell(x, digits) for x, (*_, digits) in zip(numbers, SHOWN, strict=True)]
-        yield row(team, cells, group=": ".join(filter(None, (name, case.head))))
+        yield row(team, cells, group=case.head)

@@ -156,7 +156,7 @@ def report_page(logs: RunLogs, shown: RunLogs, pictures: Sequence[ReportFigure])
         Section("scene", "Scenario and tracks", pictures=wide),
         Section("figures", "Figures", curve_words(run), pictures=narrow),
         Section("gap", "The reality gap", pictures=gap, folded=gap_tables(shown)),
-        Section("hulls", "Performance of the hulls", folded=[hulls_table({"": shown})]),
+        Section("hulls", "Performance of the hulls", folded=[hulls_table(shown)]),
         Section("tables", "The paper's tables", tables=[paper_table(shown)]),
         Section("all", "All metrics", folded=[full_table(shown)]),
         Section("comparison", "Paired comparison", folded=[comparison_table(shown)]),

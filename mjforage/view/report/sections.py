@@ -1,4 +1,4 @@
-"""A page of sections: the same for reports of runs, of pairs of runs, and of studies."""
+"""A page of sections: the same for reports of runs and of studies."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -64,21 +64,21 @@ class Page:
         """All figures."""
         return [picture for section in self.sections for picture in section.pictures]
 
-    def text(self, folder: Path, runs: Mapping[str, RunLogs]) -> str:
+    def text(self, folder: Path, logs: RunLogs) -> str:
         """The page as HTML below 5 MB; its figures are saved in a folder.
 
         Tables have fewer rows where they leave no room for figures, and say so.
 
         Parameters
         ----------
-        runs : label -> run whose recorded episodes the page plays
+        logs : run whose recorded episodes the page plays
         """
         rows = ROWS
         while (room := LARGEST - len(self._set(rows))) < FIGURES and rows > FEWEST_ROWS:
             rows //= 2
         figures = embedded_within(min(FIGURES, room), self.pictures, folder)
         room -= sum(len(figure.source) for figure in figures)
-        return self._set(rows, figures, web_replay(runs, min(BUDGET, room)))
+        return self._set(rows, figures, web_replay(logs, min(BUDGET, room)))
 
     def _set(
         self, rows: int, figures: Sequence[EmbeddedFigure] = (), replay: WebReplay | None = None

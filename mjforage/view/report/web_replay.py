@@ -1,4 +1,4 @@
-"""The page's interactive replay: the recorded episodes of one run, or of several."""
+"""The page's interactive replay: the recorded episodes of a run."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -63,7 +63,6 @@ class WebReplay:
 class _File:
     """A recorded episode on disk."""
 
-    place: int  # of its run among those of the page
     case: Case
     episode: int
     path: Path
@@ -85,10 +84,10 @@ class _File:
             raise UserError(f"recording {self.path}: is not of the run in {folder}; {REMEDY}")
         ranks = ranks_of(case.values("pta_c"), case.values("length")) if run.episodes > 1 else {}
         own = [rank for rank, episode in ranks.items() if episode == self.episode]
-        return entry_of(recording, limit) | {"run": self.place, "ranks": own}
+        return entry_of(recording, limit) | {"ranks": own}
 
 
-def _facts(label: str, run: RunInfo, first: Path) -> dict[str, Any]:
+def _facts(run: RunInfo, first: Path) -> dict[str, Any]:
     """Fleet and time of a run, by its first recording; hulls are as long as they ran."""
     recording = Recording.load(first)
     ran, shipped = run.hull_lengths, vessel_names()
@@ -98,8 +97,6 @@ def _facts(label: str, run: RunInfo, first: Path) -> dict[str, Any]:
     ]
     colours = style.agent_colours(style.role(one.collects) for one in run.agents)
     return {
-        "label": label,
-        "seed": run.seed,
         "period_s": recording.period_s,
         "horizon": recording.horizon,
         "agents": [
@@ -109,12 +106,11 @@ def _facts(label: str, run: RunInfo, first: Path) -> dict[str, Any]:
     }
 
 
-def web_replay(runs: Mapping[str, RunLogs], budget: int = BUDGET) -> WebReplay | None:
-    """Gather the recorded episodes of runs on one map; None if there are none, or none has room.
+def web_replay(logs: RunLogs, budget: int = BUDGET) -> WebReplay | None:
+    """Gather the recorded episodes of a run; None if there are none, or none has room.
 
     Parameters
     ----------
-    runs : label, as the player names it -> run; one run alone needs none: `{"": logs}`
     budget : characters of text for all episodes together; they are thinned in time to fit, and what
         does not fit even so is left out, the first episodes last
 
@@ -124,31 +120,24 @@ def web_replay(runs: Mapping[str, RunLogs], budget: int = BUDGET) -> WebReplay |
         If a file cannot be read, or a recording is of another run.
     """
     files = [
-        _File(place, case, episode, path)
-        for place, logs in enumerate(runs.values())
+        _File(case, episode, path)
         for case in logs.cases
         for episode, path in recording_files(logs.folder, case.world, case.policy).items()
     ]
-    longest = max((logs.run.horizon for logs in runs.values()), default=1)
-    entries = _fitting(files, max(1, min(MOST, MOST_STEPS // longest)), budget)
+    entries = _fitting(files, max(1, min(MOST, MOST_STEPS // logs.run.horizon)), budget)
     if not entries:
         return None
-    shown, first = {entry["run"] for entry in entries}, {one.place: one.path for one in files[::-1]}
-    facts = [
-        _facts(label, logs.run, first[place]) if place in shown else None
-        for place, (label, logs) in enumerate(runs.items())
-    ]
-    agents = [agent["name"] for one in facts if one for agent in one["agents"]]
-    two = len(shown) > 1 or len({entry["world"] for entry in entries}) > 1
+    facts = _facts(logs.run, files[0].path)
+    two = len({entry["world"] for entry in entries}) > 1
     code = [_part(name) for name in SCRIPTS]
     return WebReplay(
         panels=(True, two)[: 1 + (len(entries) > 1)],
-        vessels=tuple(dict.fromkeys(agents)),
+        vessels=tuple(agent["name"] for agent in facts["agents"]),
         held=any(entry["forgetting"] is not None for entry in entries),
         left_out=len(files) - len(entries),
         data={
-            **_stage(next(iter(runs.values())).run),
-            "runs": facts,
+            **_stage(logs.run),
+            "run": facts,
             "replays": entries,
         },
         script=Markup("\n".join(['(() => {\n"use strict";', *code, "})();"])),
@@ -159,13 +148,13 @@ def web_replay(runs: Mapping[str, RunLogs], budget: int = BUDGET) -> WebReplay |
 def _fitting(files: Sequence[_File], most: int, budget: int) -> list[dict[str, Any]]:
     """Entries of the page in the order of the files: each has its share of the budget.
 
-    Where not all fit, one of each run, world and policy comes first, then further ones.
+    Where not all fit, one of each world and policy comes first, then further ones.
     """
-    before: Counter[tuple[int, Case]] = Counter()
+    before: Counter[Case] = Counter()
     turns = []
     for number, file in enumerate(files):
-        turns.append((before[file.place, file.case], number))
-        before[file.place, file.case] += 1
+        turns.append((before[file.case], number))
+        before[file.case] += 1
     first = sorted(turns)[:most]
     found: dict[int, dict[str, Any]] = {}
     for count, (_, number) in enumerate(first):
@@ -183,7 +172,7 @@ def _part(name: str) -> str:
 
 
 def _stage(run: RunInfo) -> dict[str, Any]:
-    """Map, units and colours, which all replays of a page share."""
+    """Map, units and colours, which all replays share."""
     cells = run.map.cells
     height, width = cells.shape
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))

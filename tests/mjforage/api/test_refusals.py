@@ -247,8 +247,6 @@ RUNS: list[tuple[Callable[[mf.Run], Any], str]] = [
     (lambda run: run.report(), "the run has no folder; give a path"),
     (lambda run: run.report("page.html", tables="latx"), "no format 'latx'"),
     (lambda run: run.report("page.html", policies="greedi"), "greedi: is not in this run"),
-    (lambda run: run.report_beside(run, "page"), "name two"),
-    (lambda run: run.report_beside("run"), "other is str; give a Run"),  # type: ignore[arg-type]
     (lambda run: run.save(None), "folder is NoneType"),  # type: ignore[arg-type]
     (lambda run: run.differences(), "give two policies"),
     (lambda run: run.differences("greedy", "levy"), "policy 'levy': unknown"),

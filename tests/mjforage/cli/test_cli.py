@@ -33,7 +33,6 @@ pytestmark = pytest.mark.usefixtures("here")
             [*EVALUATE, "--set", "policy.gredy.distance=2"],
             "did you mean policy.greedy.distance? As it is, give policy.NAME.OPTION=VALUE",
         ),
-        (["report", "r1", "r3", "--output", "x.html"], "It is a folder, for report.html and more"),
         ([*EVALUATE, "--out", "x.html"], "for report.html and more; give --out x"),
         (["evaluate"], "--policy requires an argument"),
         (["train"], "ALGORITHM requires an argument"),

@@ -1,5 +1,5 @@
-// Which replay a panel shows: the run, then the world, the policy and the episode in it.
-const LEVELS = ["run", "world", "policy", "episode"];
+// Which replay a panel shows: the world, then the policy and the episode in it.
+const LEVELS = ["world", "policy", "episode"];
 
 const agree = (a, b, levels) => levels.every((level) => a[level] === b[level]);
 
@@ -28,7 +28,7 @@ function chooseAt(replays, before, level, value) {
     .reduce((best, entry) => (better(entry, best) ? entry : best));
 }
 
-// What to set beside a replay at first: the next run, else the last world, the next policy, episode.
+// What to set beside a replay at first: the last world, else the next policy, episode.
 function besides(replays, entry) {
   const level = LEVELS.find((one) => valuesAt(replays, entry, one).length > 1);
   if (!level) return entry;
@@ -41,8 +41,7 @@ function episodeWords({ episode, ranks }) {
 }
 
 // A choice's value in words.
-function wordsOf(replays, runs, chosen, level, value) {
-  if (level === "run") return runs[value].label;
+function wordsOf(replays, chosen, level, value) {
   if (level === "world") return `${value} world`;
   if (level !== "episode") return value;
   return episodeWords(chooseAt(replays, chosen, level, value));

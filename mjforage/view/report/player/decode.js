@@ -80,7 +80,7 @@ const TURN_PART = 0.35; // of a step that a vessel takes to turn at graph level
 class Episode {
   constructor(bytes, entry, stage) {
     const reader = new Reader(bytes), { frames, items, steps } = entry, { units } = stage;
-    const run = stage.runs[entry.run], agents = run.agents.length;
+    const { run } = stage, agents = run.agents.length;
     const size = stage.rows * stage.columns;
     this.poseFrames = Math.ceil((frames - 1) / entry.pose_stride) + 1;
     this.itemFrames = Math.ceil((frames - 1) / entry.item_stride) + 1;

@@ -140,21 +140,20 @@ class Player {
 
   // Fill a panel's choices with what there is beside its replay; what is no choice is only read.
   offer({ choices, entry }) {
-    const { replays, runs } = this.stage;
+    const { replays } = this.stage;
     choices.forEach((choice, level) => {
       const values = valuesAt(replays, entry, level);
       choice.replaceChildren(...values.map((value) =>
-        new Option(wordsOf(replays, runs, entry, level, value))));
+        new Option(wordsOf(replays, entry, level, value))));
       choice.selectedIndex = values.indexOf(entry[level]);
       choice.disabled = values.length < 2;
-      choice.hidden = level === "run" && runs.length < 2;
     });
   }
 
   // Words where the maps do not show the same items.
   differing() {
-    const [one, two] = this.open.map(({ entry }) => entry), { runs } = this.stage;
-    if (!two || (one.episode === two.episode && runs[one.run].seed === runs[two.run].seed)) return "";
+    const [one, two] = this.open.map(({ entry }) => entry);
+    if (!two || one.episode === two.episode) return "";
     return `Different episodes, ${one.episode} and ${two.episode}: their items, weather and starts `
       + "are not the same.";
   }
@@ -166,8 +165,8 @@ class Player {
 
   // What a panel shows, in words.
   words({ entry }) {
-    const { replays, runs } = this.stage, levels = LEVELS.slice(runs.length > 1 ? 0 : 1);
-    return levels.map((level) => wordsOf(replays, runs, entry, level, entry[level])).join(", ");
+    const { replays } = this.stage;
+    return LEVELS.map((level) => wordsOf(replays, entry, level, entry[level])).join(", ");
   }
 
   place(panel, episode) {
@@ -230,7 +229,7 @@ class Player {
     actions[key]();
   }
 
-  get periodS() { return this.stage.runs[this.panels[0].entry.run].period_s; }
+  get periodS() { return this.stage.run.period_s; }
 
   zoom(factor, point, panel) {
     if (!panel.picture.lens || !this.camera.zoomAt(factor, point, panel.picture.lens)) return false;
@@ -328,8 +327,7 @@ class Player {
   }
 
   drawClock() {
-    const { periodS: period } = this, seek = this.find("seek"), { horizon } = this.stage.runs[
-      this.panels[0].entry.run];
+    const { periodS: period } = this, seek = this.find("seek"), { horizon } = this.stage.run;
     const step = Math.floor(this.time / period + 1e-6);
     seek.value = this.time;
     seek.setAttribute("aria-valuetext", `${this.time.toFixed(0)} seconds, step ${step}`);

@@ -86,4 +86,4 @@ def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
     if logs.info.kind in LIKE_PAPER:
         notes, sections = (TRAINED, *NOTES), list(map(numbered, sections))
     page = study_page(logs, [*sections, notes_section(notes), settings_section(logs)])
-    return write_page(folder, page, {"": logs.whole}, wanted)
+    return write_page(folder, page, logs.whole, wanted)

@@ -96,7 +96,7 @@ def with_link(folder: Path) -> Recording:
 
 
 def shown(folder: Path) -> WebReplay:
-    result = web_replay({"": load_logs(folder)})
+    result = web_replay(load_logs(folder))
     assert result is not None
     return result
 

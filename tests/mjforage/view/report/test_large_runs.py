@@ -73,7 +73,6 @@ def test_the_page_says_what_it_leaves_out_and_the_files_have_all(
     assert "policy auction: is not in this run; choose policy-0000" in refused(
         "report", many, "--policy", "auction"
     )
-    assert "is for the report of one run" in refused("report", many, many, "--policy", "auction")
 
 
 def test_of_a_long_horizon_so_many_steps_are_drawn(make_run: MakeRun) -> None:

@@ -83,21 +83,9 @@ def test_each_world_is_measured_against_the_one_below() -> None:
     assert "gusts" not in table.notes[0]
 
 
-def test_hulls_of_two_runs_stand_below_each_other(logs: RunLogs) -> None:
-    table = hulls_table({"one": logs, "other": logs}, episodes=2)
-    groups = list(dict.fromkeys(row.group for row in table.rows))
-    assert groups == [
-        f"{run}: {policy} · {world}"
-        for run in ("one", "other")
-        for policy in ("greedy", "random")
-        for world in ("hulls", "physics")
-    ]
-    assert {int(row.cells[0]) + int(row.cells[4]) for row in table.rows} == {2 * 2 * 8}
-
-
 def test_a_run_at_graph_level_has_no_gap(logs: RunLogs) -> None:
     alone = dataclasses.replace(logs, run=dataclasses.replace(logs.run, worlds=("graph",)))
-    assert not gap_table(alone).rows and not hulls_table({"": alone}).rows
+    assert not gap_table(alone).rows and not hulls_table(alone).rows
 
 
 def test_agents_that_are_not_logged_are_named(logs: RunLogs, tmp_path: Path) -> None:
@@ -106,4 +94,4 @@ def test_agents_that_are_not_logged_are_named(logs: RunLogs, tmp_path: Path) -> 
     )
     shutil.copy(logs.folder / "items.parquet", tmp_path)
     with pytest.raises(UserError, match="column 'work_j' is missing"):
-        hulls_table({"": dataclasses.replace(logs, folder=tmp_path)})
+        hulls_table(dataclasses.replace(logs, folder=tmp_path))

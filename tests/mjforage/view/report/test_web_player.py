@@ -38,7 +38,7 @@ def player(page: str) -> str:
 
 
 def lengths_of(folder: Path) -> dict[str, float]:
-    (run,) = shown(folder).data["runs"]
+    run = shown(folder).data["run"]
     return {agent["name"]: agent["length_m"] for agent in run["agents"]}
 
 
@@ -71,23 +71,23 @@ def test_the_player_of_three_worlds(make_run: MakeRun) -> None:
     template = html.environment().get_template("player/player.html.j2")
     part = player(template.render(replay=shown(folder)))
     assert part.count("<canvas tabindex") == 2 and 'panel" hidden' not in part
-    for level in ("Run", "World", "Policy", "Episode"):
+    for level in ("World", "Policy", "Episode"):
         assert part.count(f'aria-label="{level} of map') == 2
     assert options(part, 'id="player-follow"')[:2] == ["nobody", "scouts_0"]
 
 
 CHOOSING = """
-const { replays, runs, before: place, level, value } = JSON.parse(process.argv[1]);
+const { replays, before: place, level, value } = JSON.parse(process.argv[1]);
 const before = replays[place];
 const chosen = value === null ? besides(replays, before) : chooseAt(replays, before, level, value);
 console.log(JSON.stringify([replays.indexOf(chosen), LEVELS.map((one) =>
-  valuesAt(replays, chosen, one).map((each) => wordsOf(replays, runs, chosen, one, each)))]));
+  valuesAt(replays, chosen, one).map((each) => wordsOf(replays, chosen, one, each)))]));
 """
 
 
-def replays_of(*keys: tuple[int, str, str, int, str]) -> list[dict[str, Any]]:
-    names = ("run", "world", "policy", "episode")
-    return [dict(zip(names, key[:4], strict=True)) | {"ranks": key[4].split()} for key in keys]
+def replays_of(*keys: tuple[str, str, int, str]) -> list[dict[str, Any]]:
+    names = ("world", "policy", "episode")
+    return [dict(zip(names, key[:3], strict=True)) | {"ranks": key[3].split()} for key in keys]
 
 
 def choose(
@@ -96,8 +96,7 @@ def choose(
     """What the page's own code chooses, run by Node.js: which replay, and what it then offers."""
     if NODE is None:
         pytest.skip("Node.js is not installed")
-    runs = [{"label": "old"}, {"label": "new"}]
-    asked = {"replays": replays, "runs": runs, "before": before, "level": level, "value": value}
+    asked = {"replays": replays, "before": before, "level": level, "value": value}
     code = resources.files("mjforage.view.report").joinpath("player", "choice.js")
     script = code.read_text("utf-8") + CHOOSING
     done = subprocess.run(
@@ -108,14 +107,13 @@ def choose(
 
 
 OWN_MEDIANS = replays_of(
-    (0, "graph", "greedy", 0, "first"),
-    (0, "graph", "greedy", 4, "worst"),
-    (0, "graph", "levy", 0, "first"),
-    (0, "graph", "levy", 2, "worst"),
-    (0, "physics", "greedy", 0, "first"),
-    (0, "physics", "greedy", 2, "median"),
-    (0, "physics", "greedy", 4, "worst"),
-    (1, "graph", "levy", 0, "first worst"),
+    ("graph", "greedy", 0, "first"),
+    ("graph", "greedy", 4, "worst"),
+    ("graph", "levy", 0, "first"),
+    ("graph", "levy", 2, "worst"),
+    ("physics", "greedy", 0, "first"),
+    ("physics", "greedy", 2, "median"),
+    ("physics", "greedy", 4, "worst"),
 )
 
 
@@ -123,7 +121,6 @@ def test_another_policy_is_shown_in_the_same_episode_else_in_that_of_the_same_ra
     place, offered = choose(OWN_MEDIANS, 0, "policy", "levy")
     assert place == 2
     assert offered == [
-        ["old", "new"],
         ["graph world", "physics world"],
         ["greedy", "levy"],
         ["episode 0 (first)", "episode 2 (worst)"],
@@ -133,8 +130,7 @@ def test_another_policy_is_shown_in_the_same_episode_else_in_that_of_the_same_ra
     assert choose(OWN_MEDIANS, 5, "world", "graph")[0] == 0, "neither: the first"
 
 
-def test_beside_a_replay_stands_another_run_else_world_else_policy_else_episode() -> None:
-    assert choose(OWN_MEDIANS, 2)[0] == 7
+def test_beside_a_replay_stands_another_world_else_policy_else_episode() -> None:
     assert choose(OWN_MEDIANS[:7], 1)[0] == 6
     assert choose(OWN_MEDIANS[:4], 0)[0] == 2
     assert choose(OWN_MEDIANS[:2], 0)[0] == 1
@@ -153,7 +149,7 @@ process.stdin.on("data", (part) => { input += part; });
 process.stdin.on("end", async () => {
   const { stage, entry, times } = JSON.parse(input);
   const episode = await decodeEpisode(entry, stage), steps = [...Array(entry.steps + 1).keys()];
-  const { agents: fleet, period_s: period } = stage.runs[0];
+  const { agents: fleet, period_s: period } = stage.run;
   const agents = fleet.map((_, i) => i), items = [...Array(entry.items).keys()];
   console.log(JSON.stringify({
     poses: times.map((time) => agents.map((i) => Object.values(episode.pose(i, time)))),

@@ -48,7 +48,7 @@ def test_what_is_too_large_is_kept_at_fewer_frames(make_run: MakeRun) -> None:
     with_physics(folder)
     sizes = {world: len(entry_of(shown(folder), world)["text"]) for world in ("graph", "physics")}
     budget = sizes["graph"] + sizes["physics"] // 2
-    result = web_replay({"": load_logs(folder)}, budget)
+    result = web_replay(load_logs(folder), budget)
     assert result is not None and result.left_out == 0
     entry = entry_of(result, "physics")
     assert len(entry["text"]) <= budget - sizes["graph"]
@@ -60,11 +60,11 @@ def test_what_does_not_fit_is_left_out_and_counted_first_episodes_last(make_run:
     folder = make_run(episodes=3, kept=(0, 1, 2))
     sizes = [len(entry["text"]) for entry in shown(folder).data["replays"]]
     firsts = sizes[0] + sizes[3]
-    result = web_replay({"": load_logs(folder)}, firsts + min(sizes) // 2)
+    result = web_replay(load_logs(folder), firsts + min(sizes) // 2)
     assert result is not None and result.left_out == 4
     kept = [(entry["policy"], entry["episode"]) for entry in result.data["replays"]]
     assert kept == [("greedy", 0), ("levy", 0)]
-    assert web_replay({"": load_logs(folder)}, 1) is None, "no episode has room"
+    assert web_replay(load_logs(folder), 1) is None, "no episode has room"
 
 
 def test_each_episode_is_named_by_its_rank_in_its_world_and_policy(make_run: MakeRun) -> None:
@@ -87,7 +87,7 @@ def test_each_episode_is_named_by_its_rank_in_its_world_and_policy(make_run: Mak
     assert shown(make_run(episodes=1)).data["replays"][0]["ranks"] == []
 
 
-def test_one_map_at_first_and_two_where_there_are_worlds_or_runs(make_run: MakeRun) -> None:
+def test_one_map_at_first_and_two_where_there_are_worlds(make_run: MakeRun) -> None:
     ladder = ("graph", "hulls", "debris", "physics")
     several = shown(make_run(worlds=ladder, replays=("levy",), episodes=1))
     assert several.panels == (True, True)
@@ -95,20 +95,6 @@ def test_one_map_at_first_and_two_where_there_are_worlds_or_runs(make_run: MakeR
     alone = make_run(episodes=1)
     assert shown(alone).panels == (True, False)
     assert shown(make_run(policies=("levy",), episodes=1)).panels == (True,)
-    both = web_replay({"one": load_logs(alone), "two": load_logs(alone)})
-    assert both is not None and both.panels == (True, True)
-
-
-def test_runs_on_one_page_each_have_their_fleet_and_time(make_run: MakeRun) -> None:
-    one, two = make_run(policies=("greedy",), episodes=1), make_run(scouts=3, horizon=9)
-    result = web_replay({"with two": load_logs(one), "with three": load_logs(two)})
-    assert result is not None
-    assert [run["label"] for run in result.data["runs"]] == ["with two", "with three"]
-    assert [len(run["agents"]) for run in result.data["runs"]] == [4, 5]
-    assert [run["horizon"] for run in result.data["runs"]] == [12, 9]
-    series = [(entry["run"], entry["policy"]) for entry in result.data["replays"]]
-    assert series == [(0, "greedy"), (1, "greedy"), (1, "levy")]
-    assert result.vessels == ("scouts_0", "scouts_1", "foragers_0", "foragers_1", "scouts_2")
 
 
 def other_map(replay: Recording) -> Recording:
@@ -131,4 +117,4 @@ def test_a_replay_of_another_run_is_refused(
     path = folder / "replay" / "graph-greedy-0.npz"
     write_bytes(path, change(Recording.load(path)).content())
     with pytest.raises(UserError, match=r"greedy-0\.npz: (is not of the run|.* does not fit)"):
-        web_replay({"": load_logs(folder)})
+        web_replay(load_logs(folder))
