@@ -22,8 +22,6 @@ extensions = [
     "sphinx.ext.autodoc",
     "numpydoc",
     "math_ml",
-    "numbers_whole",
-    "options_whole",
     "docstrings",
     "repository_links",
     "pictures",

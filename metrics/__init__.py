@@ -25,7 +25,6 @@ Definition"; statistics over episodes come beside them.
 | age of information, of positions | `age_of_information`, `position_age` | |
 | maps of several owners | `unlikeness` | |
 | contacts, delay of news | `contact_share`, `handover` | |
-| Cost of information | `cost_of_information` | |
 | mean, IQM | `mean`, `iqm`, `count` | |
 | standard error | `sem`, `stratified_sem`, `half_width_95` | tables (1.96 SEM) |
 | bootstrap interval, summary | `bootstrap`, `summarise` | |
@@ -61,7 +60,6 @@ from mjforage.metrics.events import NEVER, NOBODY, EventTable, counts_by_step
 from mjforage.metrics.information import (
     age_of_information,
     contact_share,
-    cost_of_information,
     handover,
     position_age,
     unlikeness,
@@ -108,7 +106,6 @@ __all__ = [
     "calibration_error",
     "contact_share",
     "contributions",
-    "cost_of_information",
     "count",
     "counts_by_step",
     "coverage_overlap",

@@ -1,20 +1,16 @@
-"""Age, differences and cost of information that travels between agents.
+"""Age and differences of information that travels between agents.
 
 A belief owner is an agent, or a group with common knowledge, with the observations that it knows.
 Ages are those of Kaul, Yates and Gruteser 2012, "Real-time status: How often should one update?",
 INFOCOM: the time since what is known of a thing was true of it.
 """
 
-from math import isfinite
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.metrics._checks import BoolArray, FloatArray, ratio, same_shape, whole_steps
-from mjforage.metrics.comparison import paired_difference
 from mjforage.metrics.error_products import error_products
-from mjforage.metrics.resampling import Interval
 
 _PART = 4096  # steps of 16 bits whose sum fits 32
 
@@ -200,28 +196,3 @@ def handover(discovered_at: ArrayLike, received_at: ArrayLike, horizon: int) -> 
     waited = np.where(np.isnan(received), last, np.minimum(received, last)) - found
     known = ~np.isnan(found)
     return ratio(np.where(known, waited, 0.0).sum(axis=-1), known.sum(axis=-1) * last)
-
-
-def cost_of_information(
-    near: ArrayLike, far: ArrayLike, near_m: float, far_m: float, seed: int
-) -> Interval:
-    """Cost of information C_R = (NT90(R2) - NT90(R1)) / (R2 - R1) [1/m], per metre of range.
-
-    Negative where more range makes the fleet faster.
-
-    Parameters
-    ----------
-    near, far : (..., episode) a metric, such as NT90, of the same episodes at ranges R1 and R2;
-        NaN = undefined, a pair needs both
-    near_m, far_m : R1 < R2 [m]
-    seed : of the paired bootstrap, see `paired_difference`
-
-    Raises
-    ------
-    ValueError
-        the ranges are not finite or do not ascend, or as `paired_difference`.
-    """
-    if not (isfinite(near_m) and isfinite(far_m) and near_m < far_m):
-        raise ValueError(f"ranges {near_m} and {far_m} m: two finite ones that ascend are needed")
-    gap, metres = paired_difference(far, near, seed), far_m - near_m
-    return Interval(gap.value / metres, gap.low / metres, gap.high / metres, gap.n)

@@ -1,4 +1,4 @@
-"""Extensions of the site: short types of arrays, cells with numbers, comments of fields."""
+"""Extensions of the site: short types of arrays, comments of fields."""
 
 import importlib.util
 from types import ModuleType
@@ -39,11 +39,6 @@ def test_what_may_become_an_array_has_its_name() -> None:
     short = "(x: ArrayLike, seed: int, how: Callable = mean, more: dict = ...)"
     assert extension("docstrings").shorter(long) == short
     assert extension("docstrings").shorter(None) is None
-
-
-@pytest.mark.parametrize("text", ["98.5 ± 1.5", "−0.1 ± .40", "0.97 (0.96 to 0.98)", "90 %"])
-def test_a_number_is_one(text: str) -> None:
-    assert extension("numbers_whole").NUMBER.fullmatch(text)
 
 
 def test_a_field_of_a_named_tuple_is_told_by_its_comment() -> None:

@@ -8,10 +8,8 @@ import pytest
 from mjforage.metrics import (
     age_of_information,
     contact_share,
-    cost_of_information,
     handover,
     model_error,
-    paired_difference,
     position_age,
     unlikeness,
 )
@@ -123,17 +121,6 @@ def test_handover_of_four_items() -> None:
     assert handover([[1.0, NAN], [4.0, 4.0]], [[2.0, NAN], [4.0, 6.0]], 10).tolist() == [0.1, 0.1]
 
 
-def test_cost_of_information_is_a_slope_per_metre() -> None:
-    """Farther by 32 m all episodes are faster by .2; its interval is that of the differences."""
-    near = np.array([0.9, 0.7, 1.0, 0.8, NAN])
-    gain = np.array([0.1, 0.3, 0.2, 0.2, 0.5])
-    found = cost_of_information(near, near - gain, 32.0, 64.0, 3)
-    assert found.value == pytest.approx(-0.2 / 32.0) and found.n == 4
-    gap = paired_difference(near - gain, near, 3)
-    assert (found.low, found.high) == (gap.low / 32.0, gap.high / 32.0)
-    assert found.low < found.value < found.high
-
-
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -144,8 +131,6 @@ def test_cost_of_information_is_a_slope_per_metre() -> None:
         (lambda: contact_share(np.zeros(3)), "linked has shape"),
         (lambda: handover([5.0], [4.0], 20), "before it is discovered"),
         (lambda: handover([5.0], [4.0, 5.0], 20), "same shape"),
-        (lambda: cost_of_information([1.0], [1.0], 64.0, 32.0, 0), "ranges 64.0 and 32.0 m"),
-        (lambda: cost_of_information([1.0], [1.0], 64.0, np.inf, 0), "two finite ones"),
     ],
 )
 def test_bad_arguments_are_refused(call: Any, words: str) -> None:

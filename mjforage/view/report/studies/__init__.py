@@ -18,7 +18,6 @@ from mjforage.view.report.studies import (
     planner_parts,
     sensing,
 )
-from mjforage.view.report.studies.cost import cost_table
 from mjforage.view.report.studies.study_logs import load_study
 from mjforage.view.report.studies.study_page import (
     opening_sections,
@@ -81,8 +80,7 @@ def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
             f"{AGAIN}"
         )
     notes: tuple[str, ...] = NOTES
-    cost = Section("cost", "Cost", tables=[cost_table(logs)])
-    sections = [*opening_sections(logs), *PAGES[logs.info.kind](logs), cost]
+    sections = [*opening_sections(logs), *PAGES[logs.info.kind](logs)]
     if logs.info.kind in LIKE_PAPER:
         notes, sections = (TRAINED, *NOTES), list(map(numbered, sections))
     page = study_page(logs, [*sections, notes_section(notes), settings_section(logs)])

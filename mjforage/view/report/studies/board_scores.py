@@ -1,5 +1,6 @@
 """Scores of every policy on every task of the leaderboard, and their summaries."""
 
+from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +17,6 @@ from mjforage.view.page.table import Number
 from mjforage.view.report.best_marks import LEVEL, best_and_alike
 from mjforage.view.report.differences import SEED
 from mjforage.view.report.run_logs import Case, FloatArray, policy_name
-from mjforage.view.report.studies.cost import later_chunks
 from mjforage.view.report.studies.study_logs import StudyLogs, ordered_policies
 
 SCORES = ("pta_c", "pta_d", "nt50", "nt90", "csr", "energy_per_item")
@@ -101,8 +101,16 @@ class Board:
 
     @cached_property
     def _later(self) -> set[Cost]:
-        """Chunks that are not a worker's first of a policy, which also loads and compiles."""
-        return later_chunks(cost for costs in self.logs.costs.values() for cost in costs)
+        """Chunks that are not a worker's first of a policy in a call: that loads and compiles."""
+        own: dict[tuple[str, str, str], list[Cost]] = defaultdict(list)
+        for one in (cost for costs in self.logs.costs.values() for cost in costs):
+            own[one.started, one.worker, one.policy].append(one)
+        return {
+            one
+            for several in own.values()
+            for one in several
+            if one.began_s > min(each.began_s for each in several)
+        }
 
     def decision(self, task: str, policy: str) -> Decision:
         """CPU time of the policy per decision for the whole fleet.

@@ -38,7 +38,7 @@ def test_tables_make_room_for_figures_and_figures_for_the_page(tmp_path: Path) -
         Section(f"s{k}", f"Section {k}", "", [table(f"t{k}", 2500)], [noisy(f"p{k}")])
         for k in range(6)
     ]
-    text = study_page(logs, sections).text(tmp_path, {})
+    text = study_page(logs, sections).text(tmp_path, logs.whole)
     assert len(text.encode()) < FIVE_MB
     assert text.count("of 2500 rows; the files in <code>tables/</code> have all") == 6
     assert text.count("<figure") >= 6
