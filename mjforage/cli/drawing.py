@@ -1,4 +1,4 @@
-"""`mjforage render` and `mjforage view`: films, pictures and a window on episodes."""
+"""`mjforage render`: films and pictures of episodes."""
 
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -82,37 +82,3 @@ def render(
         load_run(folder, policies=named).film(output_file, policy, progress=progress, **view)
     kind = "picture" if output_file.suffix.lower() == ".png" else "film"
     output.print(f"{kind}: {output_file}", soft_wrap=True)
-
-
-@app.command
-def view(
-    folder: Path,
-    /,
-    *,
-    episode: int = 0,
-    policy: str | None = None,
-    world: str | None = None,
-    speed: float = 10.0,
-    known: Trusted = NOBODY,
-) -> None:
-    """Open MuJoCo's viewer on an episode of a run, which it plays back in a loop.
-
-    Parameters
-    ----------
-    folder
-        Folder that evaluate or compare wrote.
-    episode
-        Number of the episode.
-    policy
-        Policy of the run; default its first one.
-    world
-        Dynamics of the run.
-    speed
-        Simulated seconds per second of playing back.
-    """
-    from mjforage.api.evaluating import load_run
-    from mjforage.view.render.viewer import check_display, view_recording
-
-    check_display()
-    run = load_run(folder, policies=() if policy is None else policy)
-    view_recording(run.recording(policy, world=world, episode=episode), speed)

@@ -5,6 +5,9 @@ The text compiles with pdflatex and the packages of `NEEDED`, whatever policies 
 
 import re
 from collections.abc import Iterator, Sequence
+from importlib import resources
+
+import jinja2
 
 from mjforage.base.references import file_label
 from mjforage.view.page.marked_words import CODE, SUBSCRIPT
@@ -12,7 +15,7 @@ from mjforage.view.page.table import Row, Table, groups
 
 NEEDED = ("adjustbox", "array", "booktabs")
 WIDE = 4  # columns from which on intervals stand below their numbers
-HEAD = 40  # letters of a row's head or a group's that is broken into lines
+HEAD = 40  # letters from which the head of a row or group is broken into lines
 
 _SIGNS = {
     **{sign: f"\\{sign}" for sign in "&%$#_{}"},
@@ -45,87 +48,55 @@ _PAIR = re.compile(r"(?P<mean>.+?)(?P<rest> (?:±|\().+)", re.DOTALL)
 
 def latex_text(table: Table) -> str:
     """A table as LaTeX, to be read with input: a float, made smaller where a page has less room."""
-    packages = ",".join(NEEDED)
-    lines = [
-        f"% needs \\usepackage[T1]{{fontenc}} and \\usepackage{{{packages}}}",
-        r"\begin{table}[htbp]",
-        r"\centering\small\setlength{\tabcolsep}{4pt}",
-        rf"\caption{{{latex(table.title)}}}\label{{tab:{file_label(table.name)}}}",
-        r"\begin{adjustbox}{max width=\linewidth, max totalheight=0.85\textheight}",
-        rf"\begin{{tabular}}{{{_columns(table)}}}",
-        r"\toprule",
-        *_head(table),
-        *_lines(table),
-        r"\bottomrule",
-        r"\end{tabular}",
-        r"\end{adjustbox}",
-        r"\end{table}",
-        *_notes(table),
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def _columns(table: Table) -> str:
-    heads = max((len(row.head) for row in table.rows), default=0)
-    first = r">{\raggedright}p{0.36\linewidth}" if heads > HEAD else "l"
-    return f"@{{}}{first}{'r' * len(table.columns)}@{{}}"
-
-
-def _notes(table: Table) -> Iterator[str]:
-    for note in table.notes:
-        yield rf"\par\smallskip{{\footnotesize\raggedright {latex(note)}\par}}"
-
-
-def _head(table: Table) -> Iterator[str]:
-    """Labels, an arrow to what is better, and units below them where there are any."""
+    templates = jinja2.Environment(
+        block_start_string="<%",
+        block_end_string="%>",
+        variable_start_string="<<",
+        variable_end_string=">>",
+        trim_blocks=True,
+        keep_trailing_newline=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    templates.filters.update(latex=latex, line=_line, lines=_lines, groups=groups, label=file_label)
     better = table.better or (0,) * len(table.columns)
     arrows = [{1: r" $\uparrow$", -1: r" $\downarrow$", 0: ""}[one] for one in better]
-    heads = (latex(one) + arrow for one, arrow in zip(table.columns, arrows, strict=True))
-    yield _line([latex(table.head), *heads])
-    if any(table.units):
-        units = (rf"{{\footnotesize {latex(unit)}}}" if unit else "" for unit in table.units)
-        yield _line(["", *units])
-    yield r"\midrule"
+    file = resources.files("mjforage.view").joinpath("page", "table.tex.j2")
+    text: str = templates.from_string(file.read_text(encoding="utf-8")).render(
+        table=table,
+        packages=NEEDED,
+        heads=[latex(one) + arrow for one, arrow in zip(table.columns, arrows, strict=True)],
+        units=[_small(unit) for unit in table.units] if any(table.units) else [],
+        stacked=table.stacked or len(table.columns) > WIDE,
+        most=HEAD,
+        long=max((len(row.head) for row in table.rows), default=0) > HEAD,
+    )
+    return text
 
 
-def _lines(table: Table) -> Iterator[str]:
-    for place, (first, rows) in enumerate(groups(table.rows)):
-        if place:
-            yield r"\addlinespace"
-        if first.group:
-            wrapped = len(first.group) > HEAD
-            yield _across(table, rf"\textit{{{latex(first.group)}}}", wrapped=wrapped)
-        if first.note:
-            yield _across(table, rf"\footnotesize {latex(first.note)}", wrapped=True)
-        for row in rows:
-            yield from _row(row, stacked=table.stacked or len(table.columns) > WIDE)
-
-
-def _across(table: Table, text: str, *, wrapped: bool = False) -> str:
-    """A line over all columns; words that need more than one line wrap."""
-    shape = r"@{}p{0.95\linewidth}@{}" if wrapped else "@{}l@{}"
-    return rf"\multicolumn{{{len(table.columns) + 1}}}{{{shape}}}{{{text}}} \\"
-
-
-def _row(row: Row, *, stacked: bool) -> Iterator[str]:
-    """One line, or with `stacked` a second one with the intervals."""
+def _lines(row: Row, stacked: bool) -> Iterator[list[str]]:
+    """Cells of one line, or with `stacked` of a second one with the intervals."""
     head = rf"\textit{{{latex(row.head)}}}" if row.paper else latex(row.head)
     pairs = [_parted(cell) for cell in row.cells]
     means = [
         rf"\textbf{{{latex(mean)}}}" if place in row.best else latex(mean)
         for place, (mean, _) in enumerate(pairs)
     ]
-    rests = [rf"{{\footnotesize {latex(rest)}}}" if rest else "" for _, rest in pairs]
+    rests = [_small(rest) for _, rest in pairs]
     if stacked and any(rests):
-        yield _line([head, *means]) + "\n" + _line(["", *rests])
+        yield [head, *means]
+        yield ["", *rests]
     else:
-        yield _line([head, *(f"{m} {r}" if r else m for m, r in zip(means, rests, strict=True))])
+        yield [head, *(f"{m} {r}" if r else m for m, r in zip(means, rests, strict=True))]
 
 
 def _parted(cell: str) -> tuple[str, str]:
     """A number, and its interval behind ± or in parentheses."""
     found = _PAIR.fullmatch(cell)
     return (found["mean"], found["rest"].strip()) if found else (cell, "")
+
+
+def _small(text: str) -> str:
+    return rf"{{\footnotesize {latex(text)}}}" if text else ""
 
 
 def _line(cells: Sequence[str]) -> str:

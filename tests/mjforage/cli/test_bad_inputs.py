@@ -115,7 +115,6 @@ PATHS = (
     ("render", "{}", "-o", "a.png"),
     ("render", "run", "-o", "{}"),
     ("render", "run", "-o", "{}.png"),
-    ("view", "{}"),
     ("evaluate", "{}", "--policy", "random"),
     ("evaluate", "--policy", "{}", *SHORT),
     ("evaluate", "--policy", "random", *SHORT, "--map", "{}"),

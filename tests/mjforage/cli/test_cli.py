@@ -119,7 +119,7 @@ def test_memory_that_is_not_there_is_one_line(
 def test_version_and_help(command: Callable[..., Any]) -> None:
     assert command("--version").out.strip() == command("-V").out.strip() == __version__
     text = command("--help").out
-    for name in ("bench", "compare", "evaluate", "maps", "policies", "render", "validate", "view"):
+    for name in ("bench", "compare", "evaluate", "maps", "policies", "render", "validate"):
         assert name in text
         assert "Usage" in command(name, "--help").out
     assert command().out == text
@@ -132,7 +132,7 @@ def test_every_command_that_writes_takes_the_same_flag() -> None:
     writing = 0
     for told in app, study:
         for name in told:
-            if name.startswith("-") or name in ("study", "completion", "view"):
+            if name.startswith("-") or name in ("study", "completion"):
                 continue
             flags = {
                 flag for one in told[name].assemble_argument_collection() for flag in one.names
