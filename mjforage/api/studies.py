@@ -1,6 +1,5 @@
 """`study` and `board`: many variants of a scenario, or many tasks, on the same episodes."""
 
-import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -31,7 +30,6 @@ from mjforage.runs.studies.study import Variant, load_study_info, run_study, var
 from mjforage.runs.workers import Workers
 
 _VARIED: Mapping[str, Callable[..., tuple[Variant, ...]]] = {
-    "parts": lambda scenario, policies: variants.parts(scenario),
     "ablation": variants.ablation,
     "corruption": variants.corruption,
     "paper": variants.paper,
@@ -52,10 +50,10 @@ class Study:
     Examples
     --------
     >>> import mjforage as mf
-    >>> parts = mf.study("ablation", "open-bay", "levy", episodes=1, horizon=5, folder="study")
-    >>> parts.variants
+    >>> lesser = mf.study("ablation", "open-bay", "levy", episodes=1, horizon=5, folder="study")
+    >>> lesser.variants
     ('complete', 'scouts-less', 'foragers-less')
-    >>> parts.run("scouts-less").policies
+    >>> lesser.run("scouts-less").policies
     ('levy',)
     """
 
@@ -172,9 +170,8 @@ def study(
 
     Parameters
     ----------
-    kind : parts, ablation, corruption, paper, communication or sensing; see docs/studies.md
-    scenario, policies, changes : as of `evaluate`; by default the kind's own. The policies of parts
-        cannot be chosen
+    kind : ablation, corruption, paper, communication or sensing; see docs/studies.md
+    scenario, policies, changes : as of `evaluate`; by default the kind's own
     folder : study folder; what it holds of the same study is resumed
     world, episodes, seed, jobs, metrics, resume, scheduler, progress : as of `evaluate`
     options : of corruption and paper: step (distance of levels), whole_team (one draw for a team)
@@ -197,9 +194,6 @@ def study(
     checks.function("begin", begin)
     target, worlds = checks.path("folder", folder), checks.check_worlds(world)
     usual, given = KINDS[kind], _options(kind, options)
-    if policies is not None and not usual.policies:
-        shown = reprlib.repr(policies)
-        raise UserError(f"policies {shown}: study {kind} has its own; leave them out")
     players = Players.of(usual.policies if policies is None else policies)
     setup = pinned(scenario_of(usual.scenario if scenario is None else scenario, changes))
     words = f"{kind} study of {setup.scenario.name} on map {setup.grid.name}"

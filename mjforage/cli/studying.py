@@ -91,20 +91,6 @@ With = Annotated[StudyOptions, Parameter(name="*")]
 Corrupted = Annotated[Draws, Parameter(name="*")]
 
 
-@study.command
-def parts(
-    scenario: Scenario = KINDS["parts"].scenario,
-    /,
-    *,
-    choice: With = DEFAULT,
-    by: By = THIS_PROCESS,
-    again: GoingOn = SAME_ONLY,
-    known: Trusted = NOBODY,
-) -> None:
-    """Value of each part of the belief planner, and cost of wrong assumptions."""
-    _play("parts", scenario, (), choice, by, again)
-
-
 def _add(kind: str, words: str) -> None:
     """Add a study of policies in variants of a scenario."""
     usual = KINDS[kind]

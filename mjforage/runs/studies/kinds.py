@@ -16,17 +16,16 @@ class Kind:
     Attributes
     ----------
     scenario : name
-    policies : references; none: the kind has policies of its own, which cannot be chosen
+    policies : references
     options : name -> value
     """
 
     scenario: str
-    policies: tuple[str, ...] = ()
+    policies: tuple[str, ...]
     options: Mapping[str, Any] = field(default_factory=dict)
 
 
 KINDS: Mapping[str, Kind] = {
-    "parts": Kind("published"),
     "ablation": Kind("published", _PAPER),
     "corruption": Kind("published", _PAPER, {"step": STEP, "whole_team": False}),
     "paper": Kind("published", _PAPER, {"step": STEP, "whole_team": True}),

@@ -1,65 +1,15 @@
 """The variants that each kind of study plays: pure functions of a scenario."""
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
 from mjforage.base.errors import UserError
-from mjforage.graph_planner.belief_planner.settings import BeliefOptions
 from mjforage.runs.studies.study import Variant
 from mjforage.scenario.scenario import CorruptionChoice, Scenario
 
 COMPLETE = "complete"  # the scenario as it is, in every kind of study
-BASELINES = ("greedy", "oracle")  # what the belief planner is held against
-PARTS = tuple(part.name for part in fields(BeliefOptions) if part.default is True)
-FAST, ROBUST = "belief(fast=true)", "belief(robust=true)"
-IN_TOUCH = ("report", "alone", "relay")
-"""Parts that matter over a link only."""
-WRONG = ("hotspots", "two-hotspots", "spread", "drift", "calm")
-"""Worlds that the belief planner does not expect, by name."""
-
-
-def without(part: str) -> str:
-    """The belief planner with a part switched off."""
-    return f"belief({part}=false)"
-
-
-def parts(scenario: Scenario) -> tuple[Variant, ...]:
-    """The belief planner whole, with each part switched off, and in worlds it does not expect."""
-    linked = scenario.link.model != "ideal"
-    lesser = (without(part) for part in PARTS if linked or part not in IN_TOUCH)
-    items = scenario.items
-    variance = items.covariance_node2
-    worlds = (
-        ("3 hotspots", replace(scenario, items=replace(items, hotspots=3))),
-        ("2 hotspots", replace(scenario, items=replace(items, hotspots=2))),
-        (
-            f"spread {2 * variance**0.5:.3g}",
-            replace(scenario, items=replace(items, covariance_node2=4 * variance)),
-        ),
-        _drifting(scenario, 2.0),
-        _drifting(scenario, 0.5),
-    )
-    everybody = ("belief", *lesser, FAST, ROBUST, *BASELINES)
-    return (
-        Variant(COMPLETE, "expected world", scenario, everybody),
-        *(
-            Variant(name, title, world, ("belief", ROBUST, *BASELINES))
-            for name, (title, world) in zip(WRONG, worlds, strict=True)
-        ),
-    )
-
-
-def _drifting(scenario: Scenario, factor: float) -> tuple[str, Scenario]:
-    """The scenario with so many times the constant drift, or the wind that makes it; its title."""
-    wind, drift = scenario.weather.wind_speed_mps, scenario.weather.drift_node_per_step
-    if wind is not None:
-        wind = factor * wind
-        weather = replace(scenario.weather, wind_speed_mps=wind)
-        return f"wind of {wind:g} m/s", replace(scenario, weather=weather)
-    weather = replace(scenario.weather, drift_node_per_step=factor * drift)
-    return f"drift up to {factor * drift:g}", replace(scenario, weather=weather)
 
 
 def crews(scenario: Scenario) -> str:

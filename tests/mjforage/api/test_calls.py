@@ -38,7 +38,7 @@ def test_a_run_has_the_warnings_of_its_call(bay: mf.Scenario, tmp_path: Path) ->
     assert repr(run).endswith("seed 0, 1 warning)")
     assert mf.load_run(tmp_path / "run").warnings == ()
     assert mf.evaluate(bay, "greedy", **QUIET).warnings == ()
-    study = mf.study("parts", windy, folder=tmp_path / "study", **QUIET)
+    study = mf.study("ablation", windy, "greedy", folder=tmp_path / "study", **QUIET)
     assert study.warnings == (line,)
 
 
@@ -81,7 +81,7 @@ def test_a_folder_names_the_call_or_the_command_that_made_it(
     bay = mf.load_scenario(bay.to_file("bay.toml"))
     mf.evaluate(bay, "levy", folder="evaluated", **QUIET)
     mf.compare(bay.replace(horizon=2), "levy", folder="compared", **QUIET)
-    mf.study("parts", bay, folder="study", **QUIET)
+    mf.study("ablation", bay, "levy", folder="study", **QUIET)
     mf.board(["open-bay"], ["levy"], overrides=["horizon=3"], folder="board", **QUIET)
     monkeypatch.setattr(
         "mjforage.view.report.write_report", lambda folder, *_: folder / "report.html"

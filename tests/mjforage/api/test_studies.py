@@ -59,14 +59,10 @@ def test_options_have_the_defaults_of_their_kind(bay: mf.Scenario, tmp_path: Pat
         ("ablation", {"begin": 3}, "begin is int; give a function"),
         ("ablation", {"episodes": 0}, "episodes 0"),
         ("ablation", {"horizn": 3}, "unknown key horizn"),
-        ("parts", {"policies": "levy"}, "policies 'levy': study parts has its own; leave them out"),
-        ("parts", {"policies": []}, "study parts has its own"),
     ],
 )
 def test_refusals(tmp_path: Path, kind: str, changes: dict[str, Any], words: str) -> None:
-    given: dict[str, Any] = {"folder": tmp_path / "study"} | changes
-    if kind != "parts":
-        given |= {"policies": "levy"}
+    given: dict[str, Any] = {"folder": tmp_path / "study", "policies": "levy"} | changes
     with pytest.raises((mf.UserError, TypeError), match=words):
         mf.study(kind, "open-bay", **given)
     assert not (tmp_path / "study").exists()

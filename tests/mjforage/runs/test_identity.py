@@ -171,7 +171,7 @@ def test_every_part_of_a_study_is_of_it_or_free(study: Study, tmp_path: Path) ->
         "worlds": ("physics",),
     }
     asked: dict[str, list[Any]] = {
-        "kind": ["parts"],
+        "kind": ["sensing"],
         "setup": [land, replace(study.setup, scenario=hotter)],
         "variants": [
             *(of_variant(study, **{name: value}) for name, value in of_variants.items()),

@@ -15,7 +15,6 @@ from mjforage.view.report.studies import (
     communication,
     corruption,
     paper,
-    planner_parts,
     sensing,
 )
 from mjforage.view.report.studies.study_logs import load_study
@@ -28,7 +27,6 @@ from mjforage.view.report.studies.study_page import (
 __all__ = ["is_study", "write_study_report"]
 
 PAGES = {
-    "parts": planner_parts.sections,
     "ablation": ablation.sections,
     "corruption": corruption.sections,
     "paper": paper.sections,

@@ -170,21 +170,6 @@ def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> No
     assert words in refused("report", folder)
 
 
-def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -> None:
-    folder = tmp_path / "parts"
-    small = ("--episodes", 2, "--set", "horizon=3")
-    assert command("study", "parts", *small, "--out", folder).code == 0
-    page = (folder / "report.html").read_text()
-    of_one = r'<div class="table[^"]*" id="table-([^"]+)">(.*?)</table>'
-    tables = re.findall(of_one, page, re.DOTALL)
-    texts = {n: text for n, text in tables if n != "variants"}
-    names = {"parts", "parts-whole", "parts-oracle", "wrong", "wrong-greedy"}
-    assert set(texts) == {f"{name}-graph" for name in names}
-    for name, text in texts.items():
-        assert ("oracle (bound)" in text) or name == "parts-oracle-graph", name
-    assert "Minus the oracle, which is an upper bound" in page
-
-
 def test_communication_is_one_page_made_from_its_logs(tmp_path: Path, command: Command) -> None:
     folder = tmp_path / "communication"
     small = ("--episodes", 2, "--set", "horizon=6", "--policy", "greedy")
