@@ -111,6 +111,7 @@ class Pilot:
         chart: Chart | None,
         episodes: int,
         control_s: float = 0.1,
+        filtered: bool = False,
     ) -> None:
         """Take the models.
 
@@ -120,6 +121,7 @@ class Pilot:
         chart : quays; None is open water
         episodes : size of the batch
         control_s : time between two calls of `command` [s]
+        filtered : True if poses come from a filter and are taken as they are
         """
         count = len(models)
         self._step_s = float(control_s)
@@ -132,6 +134,8 @@ class Pilot:
             paths=np.zeros((count + 1, SAMPLES, 4)),
             met=np.zeros((count, count)),
         )
+        if filtered:
+            self._fleets.models["filter_s"] = 0.0
         self._commands = np.zeros((episodes, count, 2))
         self._command = BoundKernel(_command, self._fleets, self._step_s, self._commands)
         self._giving_way = BoundKernel(_giving_way, self._fleets.state)
@@ -182,6 +186,12 @@ class Pilot:
         xy : (episode, vessel, 2) [m]; NaN for none
         """
         self._fleets.state["next_x"], self._fleets.state["next_y"] = xy[..., 0], xy[..., 1]
+
+    def keep_margin(self, margin: FloatArray | float) -> None:
+        """Say how far from obstacles vessels (episode, vessel) must stay for what positions may be
+        off [m].
+        """
+        self._fleets.state["margin"] = margin
 
     def look_round(self, which: NDArray[np.bool_]) -> None:
         """Let some vessels (episode, vessel) turn on the spot where they keep position."""

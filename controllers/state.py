@@ -101,6 +101,8 @@ class VesselState:
     # Whether it backs off from it (see `quayside`); for how long it has been still [s].
     approach: float
     still_s: float
+    # What its position may be off [m], see `navigation`.
+    margin: float
 
 
 STATE = record_type(VesselState.__annotations__)

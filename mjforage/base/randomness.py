@@ -67,6 +67,14 @@ class Stream(IntEnum):
     """Items that are seen and are none, keyed by node and epoch."""
     MERGING = 18
     """Missed detection of an item beside another, keyed by item and step."""
+    POSITION = 19
+    """Slow error of fixes, keyed by vessel, level and index of an interval of time."""
+    OUTAGES = 20
+    """Begin of outages of fixes, keyed by vessel and stretch of time."""
+    LOG = 21
+    """Noise of measured velocities, keyed by vessel, axis and control tick."""
+    COMPASS = 22
+    """Constant error of the compass, keyed by vessel."""
     VARIANT = 32
     """Variant of its scenario that an episode of training has."""
     HARBOUR = 33

@@ -11,7 +11,7 @@ from mjforage.physics.vessel_models import damping_rates, decision_s, full_speed
 from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.worlds import WORLDS
-from mjforage.scenario.scenario import Physics, Scenario, Sensors, Weather
+from mjforage.scenario.scenario import POSITIONING_KEYS, Physics, Scenario, Sensors, Weather
 from mjforage.scenario.vessel_files import hull_names
 
 RK4_LIMIT = 2.785
@@ -25,7 +25,7 @@ PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics, tuple[str, ...]], ...] =
         Weather(),
         ("shelter_height_m", "gust_intensity", *CURRENTS),
     ),
-    ("sensors", Sensors(), ("position_noise_m", "heading_noise_deg", "camera_noise_m")),
+    ("sensors", Sensors(), (*POSITIONING_KEYS, "camera_noise_m")),
     ("physics", Physics(), ("capture", "item_classes", "integrator", "step_s", "scale")),
 )
 """Tables of a scenario, as if nothing were given, and their keys that not every world feels."""

@@ -16,7 +16,7 @@ from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.scenario.roles import Fleet
-from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario import POSITIONING_KEYS, Scenario, Sensors
 
 World = Literal["graph", "hulls", "calibrated", "debris", "intake", "physics"]
 NAMES: tuple[World, ...] = get_args(World)
@@ -54,9 +54,8 @@ def _whole(scenario: Scenario) -> Scenario:
 
 
 def _without_noise(scenario: Scenario) -> Scenario:
-    exact = replace(
-        scenario.sensors, position_noise_m=0.0, heading_noise_deg=0.0, camera_noise_m=0.0
-    )
+    kept = {name: getattr(Sensors, name) for name in POSITIONING_KEYS}
+    exact = replace(scenario.sensors, **kept, camera_noise_m=0.0)
     calm = replace(scenario.weather, gust_intensity=0.0)
     return replace(scenario, weather=calm, sensors=exact)
 

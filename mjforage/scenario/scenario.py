@@ -161,6 +161,12 @@ _Chance = Annotated[float, Within(0, 1)]
 _Distance = Annotated[float, Within(0, 1e4, "node")]
 
 
+_GNSS = source("XXX")
+_MEMORY = source("XXX")
+_LOG = source("XXX")
+_COMPASS = source("XXX")
+
+
 @dataclass(frozen=True)
 class Sensors:
     """Errors of scans (missed detections, false positives) in every world, and measurement noise of
@@ -174,6 +180,27 @@ class Sensors:
     """Standard deviation of a position fix per axis."""
     heading_noise_deg: Annotated[float, Within(0, 20, "deg")] = 0.0
     """Standard deviation of the compass."""
+    positioning: str = "white"
+    """Model of the vessels' own sensors: `white`, the two keys above and an exact velocity; `gnss`,
+    those and all keys up to `filter`; or one of your own, `package.module:Class`."""
+    position_wander_m: Annotated[float, Within(0, 20, "m"), _GNSS] = 0.0
+    """Standard deviation per axis of a Gauss-Markov error of the fixes."""
+    position_memory_s: Annotated[float, Within(1, 1e5, "s"), _MEMORY] = 60.0
+    """Time constant of that error."""
+    outage_s: Annotated[float, Within(0, 1e4, "s")] = 0.0
+    """Length of the outages, in which the last fix is repeated; 0: there are none."""
+    outage_every_s: Annotated[float, Within(1, 1e5, "s")] = 120.0
+    """Time in which there is one outage, at a drawn moment."""
+    latency_s: Annotated[float, Within(0, 5, "s")] = 0.0
+    """Time from a measurement to the command that uses it, a multiple of 0.1 s."""
+    velocity_noise_mps: Annotated[float, Within(0, 1, "m/s"), _LOG] = 0.0
+    """Standard deviation per axis of the velocity over ground that a Doppler log measures in the
+    vessel's axes."""
+    compass_bias_deg: Annotated[float, Within(0, 45, "deg"), _COMPASS] = 0.0
+    """Standard deviation of a constant error of the compass, drawn per vessel and episode."""
+    filter: bool = True
+    """True: a filter that knows these errors estimates the position, and speeds beside obstacles
+    keep a margin for what it may be off; False: dead reckoning drawn to the fixes."""
     detection: _Chance = 1.0
     """p of an item in view, at distance 0 if it falls with the distance."""
     half_range_node: _Distance = 0.0
@@ -216,6 +243,13 @@ class Sensors:
         detects = self.detection >= 1.0 and not self.half_range_node and not self.detection_table
         return detects and not (self.false_rate or self.merge) and self.fov_deg >= 360.0
 
+
+POSITIONING_KEYS = (
+    *("position_noise_m", "heading_noise_deg", "positioning", "position_wander_m"),
+    *("position_memory_s", "outage_s", "outage_every_s", "latency_s", "velocity_noise_mps"),
+    *("compass_bias_deg", "filter"),
+)
+"""Keys of `Sensors` on the vessels' own sensors."""
 
 SCAN_BYTES, NODE_BYTES = 6, 3  # of a scan, and more of every occupied node in it
 _RF = source("gz-sim, RFComms")

@@ -18,7 +18,7 @@ from mjforage.base.toml_files import read_toml
 from mjforage.scenario.assets import named_file, shipped_files
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
-from mjforage.scenario.scenario import SCAN_BYTES, Link, Scenario
+from mjforage.scenario.scenario import POSITIONING_KEYS, SCAN_BYTES, Link, Scenario, Sensors
 from mjforage.scenario.schema import NAME, check, rows, shown
 
 Tree = dict[str, Any]
@@ -227,6 +227,12 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         raise UserError(
             f'{where}: sensors.map = "filtered", but scans are perfect; give '
             "sensors.detection, for example 0.9"
+        )
+    unused = [k for k in POSITIONING_KEYS[3:] if getattr(sensors, k) != getattr(Sensors, k)]
+    if sensors.positioning == "white" and unused:
+        raise UserError(
+            f"{where}: sensors.{unused[0]} = {shown(getattr(sensors, unused[0]))} with "
+            'sensors.positioning = "white", which has no such error; give "gnss"'
         )
     choice = scenario.corruption
     if choice.team not in counts and (choice.team or choice.epsilon):

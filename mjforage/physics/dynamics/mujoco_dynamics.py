@@ -5,6 +5,7 @@ A decision becomes a waypoint; controllers steer at 10 Hz; the state at the peri
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all, scatter_rows
-from mjforage.controllers import Chart, Pilot
+from mjforage.controllers import Chart, Navigator, Pilot
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
@@ -48,9 +49,9 @@ from mjforage.physics.dynamics.period_monitor import (
     judge,
     monitor,
 )
-from mjforage.physics.dynamics.sensing import measured_poses
 from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid, look_out, tracked
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
+from mjforage.physics.positioning import create_positioning
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.simulation.instability import warnings_suppressed
 from mjforage.physics.vessel_models import vessel_model
@@ -60,6 +61,15 @@ from mjforage.scenario.scenario import Scenario
 
 CONTROL_S = 0.1  # controllers run at 10 Hz
 WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a gust's memory
+
+
+class Known(NamedTuple):
+    """Poses and velocities as the vessels know them, (episode, vessel, 3) each, world axes."""
+
+    pose: NDArray[np.float64]  # [m], [rad]
+    velocity: NDArray[np.float64]  # [m/s], [rad/s]
+    seeking: NDArray[np.float64]  # pose from which items are chosen: exact without a filter
+    margin: NDArray[np.float64] | float = 0.0  # (episode, vessel) what a position may be off [m]
 
 
 class MujocoDynamics:
@@ -103,6 +113,7 @@ class MujocoDynamics:
             )
         self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names))
         self._models = [vessel_model(vessel) for vessel in known_vessels(fleet, self._choice)]
+        create_positioning(scenario.sensors, (0, len(fleet)), CONTROL_S)
         self._chart = Chart(graph.navigable, graph.pitch_m)
         self._grid = LandGrid(self._chart.land, graph.pitch_m)
         period, latency = scenario.sensors.camera_period_s, scenario.sensors.camera_latency_s
@@ -138,7 +149,11 @@ class MujocoDynamics:
             seeds=names,
             items=items if self._bodies else 0,
         )
-        self._pilot = Pilot(self._models, self._chart, episodes, CONTROL_S)
+        shape = initial.agent_node.shape
+        self._positioning = create_positioning(self._scenario.sensors, shape, CONTROL_S)
+        errors = self._positioning.errors
+        self._navigator = None if errors is None else Navigator(errors, *shape)
+        self._pilot = Pilot(self._models, self._chart, episodes, CONTROL_S, errors is not None)
         self._period = PeriodRecord.of(initial.agent_node.shape)
         self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
         self._tick = np.zeros(episodes, np.int64)
@@ -166,6 +181,9 @@ class MujocoDynamics:
         fresh = start_state(initial, self._centres)
         self._simulation.restart(rows, names, initial.item_node.shape[1] if self._bodies else 0)
         self._pilot.reset(rows)
+        self._positioning.reset(rows)
+        if self._navigator is not None:
+            self._navigator.reset(rows)
         self._period.forget(rows)
         self._tick[rows] = 0
         self._wind_rc = scatter_rows(self._wind_rc, rows, initial.drift_rc)
@@ -239,16 +257,14 @@ class MujocoDynamics:
         recorded = self._trajectory is not None and bool(active[0])
         with warnings_suppressed():  # entered once for all ticks
             for tick in range(self._ticks):
-                pose = measured_poses(
-                    self._scenario.sensors, self._keys, self._tick, self._motion.pose
-                )
-                self._look(active, pose)
+                known = self._locate(active)
+                self._look(active, known.pose)
                 if tick % WEATHER_TICKS == 0:
                     self._feel(active)
-                    self._seek(active, Sent(target, stay))
+                    self._seek(active, Sent(target, stay), known)
                     if recorded and tick:
                         self._record()
-                self._steer(active, ids, target, pose)
+                self._steer(active, ids, target, known)
                 if self._intake:
                     self._collect(active)
         self._settle(active, step, moves)
@@ -256,6 +272,15 @@ class MujocoDynamics:
             self._record()
         simulation.load[active] = self._fleet.capacity - self._room_left[active]
         return state
+
+    def _locate(self, active: NDArray[np.bool_]) -> Known:
+        """Poses and velocities as the vessels know them: as measured, or as estimated from that."""
+        now = self._motion
+        seen = self._positioning.measure(self._keys, self._tick, now.pose, now.velocity)
+        if self._navigator is None:
+            return Known(seen.pose, seen.velocity, now.pose)
+        found = self._navigator.update(active, *seen)
+        return Known(found.pose, found.velocity, found.pose, found.margin)
 
     def _feel(self, active: NDArray[np.bool_]) -> None:
         """Give vessels and items the wind and the water of the moment."""
@@ -285,7 +310,7 @@ class MujocoDynamics:
         tracked(self._tracks, self._grid, self._tick, CONTROL_S, out)
         return out
 
-    def _seek(self, active: NDArray[np.bool_], sent: Sent) -> None:
+    def _seek(self, active: NDArray[np.bool_], sent: Sent, known: Known) -> None:
         """Give the pilots the item to collect, and the one to be ready for after it."""
         if not self._intake:
             return
@@ -295,7 +320,7 @@ class MujocoDynamics:
             self._attempts,
             active,
             self._room_left,
-            self._motion.pose,
+            known.seeking,
             self._known(),
             sent,
             self._tick * np.float64(CONTROL_S),
@@ -311,11 +336,12 @@ class MujocoDynamics:
         active: NDArray[np.bool_],
         ids: NDArray[np.intp],
         target: NDArray[np.float64],
-        pose: NDArray[np.float64],
+        known: Known,
     ) -> None:
-        """One control tick from the measured poses: command, step, take note."""
+        """One control tick from what the vessels know: command, step, take note."""
         simulation, before = self._simulation, self._motion
-        simulation.commands[:] = self._pilot.command(active, pose, before.velocity)
+        self._pilot.keep_margin(known.margin)
+        simulation.commands[:] = self._pilot.command(active, known.pose, known.velocity)
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
         self._motion = self._measured()
         self._tick[ids] += 1

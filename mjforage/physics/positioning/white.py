@@ -1,0 +1,56 @@
+"""White noise: independent errors of position and heading at every tick; velocity is exact."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key
+from mjforage.physics.positioning.model import POSITIONING, FloatArray, Measured
+from mjforage.scenario.scenario import Sensors
+
+
+@kernel
+def _noisy(
+    keys: UInt64Array,
+    tick: NDArray[np.int64],
+    position_m: float,
+    heading_rad: float,
+    pose: FloatArray,
+) -> FloatArray:
+    """Poses with noise drawn from (episode, vessel, axis, tick)."""
+    result = np.empty_like(pose)
+    for e in range(keys.size):
+        key = stream_key(keys[e], Stream.SENSORS)
+        for v in range(pose.shape[1]):
+            for axis in range(3):
+                spread = heading_rad if axis == 2 else position_m
+                noise = spread * normal(key, 3 * v + axis, tick[e])
+                result[e, v, axis] = pose[e, v, axis] + noise
+    return result
+
+
+@POSITIONING.register("white")
+class White:
+    """Independent normal noise of position and heading at every tick."""
+
+    errors = None
+
+    def __init__(self, sensors: Sensors, shape: tuple[int, int], tick_s: float) -> None:
+        """Take the noise."""
+        self._position, self._heading = sensors.position_noise_m, sensors.heading_noise_deg
+        self._fix = np.ones(shape, np.bool_)
+
+    def reset(self, rows: NDArray[np.int64]) -> None:
+        """Nothing is remembered."""
+
+    def measure(
+        self, keys: UInt64Array, tick: NDArray[np.int64], pose: FloatArray, velocity: FloatArray
+    ) -> Measured:
+        """Measurements at a tick."""
+        heading = math.radians(self._heading)
+        if self._position == 0.0 and heading == 0.0:
+            return Measured(pose, velocity, self._fix)
+        noisy = np.asarray(_noisy(keys, tick, self._position, heading, pose))
+        return Measured(noisy, velocity, self._fix)
