@@ -27,6 +27,12 @@ def turn_to_come(s: VesselState, p: ModelRecord) -> float:
 
 
 @kernel
+def joint_margin(s: VesselState, other: VesselState) -> float:
+    """What the distance of two vessels may be off [m]: their positions are so independently."""
+    return math.sqrt(s.margin * s.margin + other.margin * other.margin)
+
+
+@kernel
 def clearance_to(
     state: FleetArray,
     models: ModelArray,
@@ -72,7 +78,8 @@ def clearance_to(
         0.5 * (models[other].length_m + way) + swing,
         0.5 * models[other].beam_m + abs(aside) + swing,
     )
-    return min(box_gap(dx, dy, c, t, half_length, half_beam, cj, tj, long, wide), reach)
+    gap = box_gap(dx, dy, c, t, half_length, half_beam, cj, tj, long, wide)
+    return min(gap - joint_margin(state[i], state[other]), reach)
 
 
 @kernel
@@ -141,13 +148,14 @@ def free_distance(
     side: float,
     turned: float,
     first: float,
+    least: float,
     reach: float,
 ) -> float:
-    """Distance [m] that vessel `i` can go ahead (`side` 1) or astern (-1) and keep its clearance.
+    """Distance [m] that vessel `i` can go ahead (`side` 1) or astern (-1) and keep a clearance.
 
     Where the gap is less than that already (`first` is the gap now), it may not shrink further.
     """
-    least = min(least_clearance(state[i], models[i], other), first - SLACK_M)
+    least = min(least, first - SLACK_M)
     gone, gap = 0.0, first
     while gone < reach:
         step = max(gap - least, STEP_M)

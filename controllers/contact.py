@@ -10,6 +10,7 @@ import math
 from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped
 from mjforage.controllers.chart import LandArray, headland, is_cell_land, is_nearer, way_to_cell
+from mjforage.controllers.clearance import joint_margin
 from mjforage.controllers.guidance import striking_speed
 from mjforage.controllers.legs import REACTION_S
 from mjforage.controllers.state import VesselState
@@ -48,7 +49,14 @@ def note_contact(s: VesselState, p: ModelRecord, force: float, lever: float) -> 
 
 @kernel
 def heed(
-    s: VesselState, p: ModelRecord, x: float, y: float, dx: float, dy: float, quay: bool
+    s: VesselState,
+    p: ModelRecord,
+    x: float,
+    y: float,
+    dx: float,
+    dy: float,
+    quay: bool,
+    margin: float,
 ) -> None:
     """Limit a vessel for the sake of one point of it.
 
@@ -57,15 +65,17 @@ def heed(
     x, y : the point, from midships, world axes [m]
     dx, dy : from there to what is nearest [m]
     quay : True if that is a quay; another vessel may use half of the gap
+    margin : by which the gap may be less than it seems [m]
     """
     far = math.sqrt(dx * dx + dy * dy)
-    if not 0.0 < far < NEAR_M + INSET_M:
+    if not 0.0 < far < NEAR_M + INSET_M + margin:
         return
     nx, ny, gap = dx / far, dy / far, far - INSET_M - BLUR_M
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, turning = nx * c + ny * t, ny * x - nx * y
     if gap < LEANING_M - BLUR_M:
         note_contact(s, p, (ny * c - nx * t) * pressing(s, p), turning)
+    gap -= margin
     aside = max((ny * c - nx * t) * (c * s.vy - t * s.vx), 0.0)
     reaction = p.lag_s + 2.0 * REACTION_S  # a tick more, for the gap is that of before
     if quay:
@@ -110,14 +120,14 @@ def heed_around(
     s: VesselState, p: ModelRecord, land: LandArray, pitch: float, x: float, y: float
 ) -> None:
     """Limit a vessel for the sake of the quays around one point of it, (x, y) from midships [m]."""
-    px, py, reach = s.x + x, s.y + y, NEAR_M + INSET_M
+    px, py, reach = s.x + x, s.y + y, NEAR_M + INSET_M + s.margin
     low_j, high_j = math.floor((py - reach) / pitch + 0.5), math.floor((py + reach) / pitch + 1.5)
     for i in range(math.floor((px - reach) / pitch + 0.5), math.floor((px + reach) / pitch + 1.5)):
         for j in range(low_j, high_j):
             if is_cell_land(land, i, j):
                 dx, dy = way_to_cell(pitch, px, py, i, j)
                 if is_nearer(land, i, j, dx, dy):
-                    heed(s, p, x, y, dx, dy, True)
+                    heed(s, p, x, y, dx, dy, True, s.margin)
 
 
 @kernel
@@ -128,14 +138,14 @@ def heed_land(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> 
     for k in range(4):
         x, y = corner_of(long, wide, c, t, k)
         heed_around(s, p, land, pitch, x, y)
-    reach = 0.5 * p.length_m + NEAR_M
+    reach = 0.5 * p.length_m + NEAR_M + s.margin
     low_i, low_j = math.floor((s.x - reach) / pitch), math.floor((s.y - reach) / pitch)
     for i in range(low_i, math.floor((s.x + reach) / pitch) + 1):
         for j in range(low_j, math.floor((s.y + reach) / pitch) + 1):
             if headland(land, i, j):
                 to_x, to_y = (i + 0.5) * pitch - s.x, (j + 0.5) * pitch - s.y
                 x, y = nearest_of(long, wide, c, t, to_x, to_y)
-                heed(s, p, x, y, to_x - x, to_y - y, True)
+                heed(s, p, x, y, to_x - x, to_y - y, True, s.margin)
 
 
 @kernel
@@ -143,11 +153,11 @@ def heed_vessel(s: VesselState, p: ModelRecord, other: VesselState, model: Model
     """Limit a vessel for the sake of another: the corners of both."""
     c, t, co, to = math.cos(s.yaw), math.sin(s.yaw), math.cos(other.yaw), math.sin(other.yaw)
     long, wide = p.length_m - 2.0 * INSET_M, p.beam_m - 2.0 * INSET_M
-    dx, dy = other.x - s.x, other.y - s.y
+    dx, dy, margin = other.x - s.x, other.y - s.y, joint_margin(s, other)
     for k in range(4):
         x, y = corner_of(long, wide, c, t, k)
         qx, qy = nearest_of(model.length_m, model.beam_m, co, to, x - dx, y - dy)
-        heed(s, p, x, y, dx + qx - x, dy + qy - y, False)
+        heed(s, p, x, y, dx + qx - x, dy + qy - y, False, margin)
         qx, qy = corner_of(model.length_m, model.beam_m, co, to, k)
         x, y = nearest_of(long, wide, c, t, dx + qx, dy + qy)
-        heed(s, p, x, y, dx + qx - x, dy + qy - y, False)
+        heed(s, p, x, y, dx + qx - x, dy + qy - y, False, margin)

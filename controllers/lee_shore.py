@@ -64,7 +64,7 @@ def keep_off(
         return 0.0
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead = nx * c + ny * t
-    gap = far - extent(p, ahead) - OFF_M
+    gap = far - extent(p, ahead) - OFF_M - s.margin
     aside = closing - ahead * (c * s.drift_x + t * s.drift_y)
     most = (gap / LEE_S - aside) / max(abs(ahead), 1e-6)
     if abs(ahead) < HEADED:
@@ -88,6 +88,7 @@ def heed_lee(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> N
     if land.size == 0 or drift < LEAST_DRIFT_MPS:
         return
     reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + OFF_M + LEE_S * drift
+    reach += s.margin
     low_j, high_j = math.floor((s.y - reach) / pitch + 0.5), math.floor((s.y + reach) / pitch + 1.5)
     least, picks = 0.0, picks_at_quay(s, p)
     c, t = math.cos(s.yaw), math.sin(s.yaw)

@@ -8,6 +8,7 @@ the fixes show against the one that log and compass show tells the compass's err
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +16,19 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.controllers.angles import wrapped
-from mjforage.controllers.vessel_model import FloatArray
+from mjforage.controllers.estimate import surge_after, sway_after
+from mjforage.controllers.vessel_model import (
+    MODEL,
+    FloatArray,
+    ModelArray,
+    ModelRecord,
+    VesselModel,
+    packed,
+)
 
 X, Y, YAW, OFF_X, OFF_Y, TURN = range(6)  # states; the last three are errors of fix and compass
 STATES = 6
-MARGIN = 2.5  # standard deviations of the position that are kept free
+MARGIN = 3.0  # standard deviations of the position that are kept free
 LEAST_M, LEAST_RAD = 1e-3, 1e-4  # of white noise: what numbers are rounded to, so to say
 LEAST_MPS = 0.01  # of the log's noise: steps of time
 GYRO_RAD2PS = 1e-8  # variance that the heading gains per second
@@ -44,6 +53,7 @@ class Filters(NamedTuple):
     state: FloatArray  # (episode, vessel, STATES) [m], [rad]
     covariance: FloatArray  # (episode, vessel, STATES, STATES)
     log: FloatArray  # (episode, vessel, 3) last velocity ahead, to port [m/s], rate [rad/s]
+    thrust: FloatArray  # (episode, vessel, latency + 1, 2) of port and starboard of late [N]
     ticks: NDArray[np.int64]  # (episode, vessel) measurements so far
     pose: FloatArray  # (episode, vessel, 3) as of now [m], [rad]
     velocity: FloatArray  # (episode, vessel, 3) world axes [m/s], [rad/s]
@@ -52,11 +62,11 @@ class Filters(NamedTuple):
     measured: FloatArray  # (episode, vessel) measurements in that
 
     @classmethod
-    def of(cls, episodes: int, vessels: int) -> "Filters":
+    def of(cls, episodes: int, vessels: int, latency: int) -> "Filters":
         """Filters before the first measurement."""
         n = (episodes, vessels)
-        shapes = ((STATES,), (STATES, STATES), (3,), (), (3,), (3,), (), (), ())
-        kinds = ("d", "d", "d", "q", "d", "d", "d", "d", "d")
+        shapes = ((STATES,), (STATES, STATES), (3,), (latency + 1, 2), (), (3,), (3,), (), (), ())
+        kinds = ("d", "d", "d", "d", "q", "d", "d", "d", "d", "d")
         return cls(*(np.zeros((*n, *s), k) for s, k in zip(shapes, kinds, strict=True)))
 
 
@@ -132,28 +142,48 @@ def deviation(p: FloatArray) -> float:
 
 
 @kernel
-def tell(f: Filters, e: int, v: int, of: SensorErrors) -> None:
-    """Write pose and velocity as of now, a latency after the measurements, and the margin."""
-    x, log, late = f.state[e, v], f.log[e, v], of.latency * of.tick_s
-    f.pose[e, v, 2] = x[YAW] + late * log[2]
-    mid = x[YAW] + 0.5 * late * log[2]
-    c, s = math.cos(mid), math.sin(mid)
-    f.pose[e, v, 0] = x[X] + late * (c * log[0] - s * log[1])
-    f.pose[e, v, 1] = x[Y] + late * (s * log[0] + c * log[1])
-    c, s = math.cos(f.pose[e, v, 2]), math.sin(f.pose[e, v, 2])
-    f.velocity[e, v, 0], f.velocity[e, v, 1] = c * log[0] - s * log[1], s * log[0] + c * log[1]
-    f.velocity[e, v, 2] = log[2]
+def spin_after(p: ModelRecord, rate: float, moment: float, step_s: float) -> float:
+    """Turn rate [rad/s] after a step under a moment [N m], as `surge_after`."""
+    drag, inertia = p.linear_yaw + p.quadratic_yaw * abs(rate), p.inertia_yaw_kgm2
+    return float((inertia * rate + step_s * moment) / (inertia + step_s * drag))
+
+
+@kernel
+def tell(f: Filters, p: ModelRecord, e: int, v: int, of: SensorErrors) -> None:
+    """Write pose and velocity as of now, and the margin.
+
+    Since the measurements, a latency ago, the vessel has moved on as its model says under the
+    thrusts of that time.
+    """
+    x, y, yaw = f.state[e, v, X], f.state[e, v, Y], f.state[e, v, YAW]
+    ahead, aside, rate = f.log[e, v]
+    slots, t = of.latency + 1, of.tick_s
+    for k in range(min(of.latency, f.ticks[e, v])):
+        port, starboard = f.thrust[e, v, (f.ticks[e, v] + 2 + k) % slots]
+        ahead = surge_after(p, ahead, port + starboard, t)
+        moment = p.lever_m * (starboard - port) - p.munk_kg * ahead * aside
+        aside = sway_after(p, aside, ahead, rate, t)
+        rate = spin_after(p, rate, moment, t)
+        yaw += t * rate
+        c, s = math.cos(yaw), math.sin(yaw)
+        x, y = x + t * (c * ahead - s * aside), y + t * (s * ahead + c * aside)
+    c, s = math.cos(yaw), math.sin(yaw)
+    f.pose[e, v, 0], f.pose[e, v, 1], f.pose[e, v, 2] = x, y, yaw
+    f.velocity[e, v, 0], f.velocity[e, v, 1] = c * ahead - s * aside, s * ahead + c * aside
+    f.velocity[e, v, 2] = rate
     f.margin[e, v] = MARGIN * deviation(f.covariance[e, v])
 
 
 @kernel
 def navigate(
     f: Filters,
+    models: ModelArray,
     of: SensorErrors,
     active: NDArray[np.bool_],
     pose: FloatArray,
     velocity: FloatArray,
     fix: NDArray[np.bool_],
+    thrust: FloatArray,
 ) -> None:
     """Take the measurements of a tick into the filters of the active episodes."""
     position, heading = max(of.position_m, LEAST_M), max(of.heading_rad, LEAST_RAD)
@@ -168,6 +198,7 @@ def navigate(
             log[0] = c * velocity[e, v, 0] + s * velocity[e, v, 1]
             log[1] = c * velocity[e, v, 1] - s * velocity[e, v, 0]
             log[2] = velocity[e, v, 2]
+            f.thrust[e, v, f.ticks[e, v] % (of.latency + 1)] = thrust[e, v]
             f.surprise[e, v] = f.measured[e, v] = 0.0
             if f.ticks[e, v] == 0:
                 begin(x, p, seen, of)
@@ -179,17 +210,18 @@ def navigate(
                     f.surprise[e, v] += correct(x, p, X, seen[0], position)
                     f.surprise[e, v] += correct(x, p, Y, seen[1], position)
                     f.measured[e, v] = 3.0
+            tell(f, models[v], e, v, of)
             f.ticks[e, v] += 1
-            tell(f, e, v, of)
 
 
 class Navigator:
     """The navigation filters of a batch of fleets."""
 
-    def __init__(self, errors: SensorErrors, episodes: int, vessels: int) -> None:
-        """Take what the sensors are off by."""
-        self.filters = Filters.of(episodes, vessels)
-        self._navigate = BoundKernel(navigate, self.filters, errors)
+    def __init__(self, errors: SensorErrors, models: Sequence[VesselModel], episodes: int) -> None:
+        """Take what the sensors are off by, and the models (vessel,) of the fleet."""
+        self.filters = Filters.of(episodes, len(models), errors.latency)
+        records = np.array([packed(model) for model in models], MODEL)
+        self._navigate = BoundKernel(navigate, self.filters, records, errors)
 
     def reset(self, rows: NDArray[np.int64]) -> None:
         """Forget some episodes (row,)."""
@@ -202,6 +234,7 @@ class Navigator:
         pose: FloatArray,
         velocity: FloatArray,
         fix: NDArray[np.bool_],
+        thrust: FloatArray,
     ) -> Filters:
         """Take in the measurements of a tick.
 
@@ -210,6 +243,7 @@ class Navigator:
         active : (episode,) others keep what they had
         pose, velocity : (episode, vessel, 3) measured; world axes [m], [rad], [m/s], [rad/s]
         fix : (episode, vessel) whether the position is of a new fix
+        thrust : (episode, vessel, 2) of port and starboard since the last tick [N]
         """
-        self._navigate(active, pose, velocity, fix)
+        self._navigate(active, pose, velocity, fix, thrust)
         return self.filters

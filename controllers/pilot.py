@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.controllers.allocation import thrust_of
 from mjforage.controllers.chart import Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
 from mjforage.controllers.estimate import estimate
@@ -91,6 +92,18 @@ def _command(
 
 
 @kernel
+def _thrust(fleets: FleetArrays) -> FloatArray:
+    """(episode, vessel, 2) see `Pilot.thrust`."""
+    state, models = fleets.state, fleets.models
+    result = np.empty((*state.shape, 2))
+    for e in range(state.shape[0]):
+        for v in range(models.shape[0]):
+            result[e, v, 0] = thrust_of(models[v], state[e, v].port)
+            result[e, v, 1] = thrust_of(models[v], state[e, v].starboard)
+    return result
+
+
+@kernel
 def _giving_way(state: FleetArray) -> NDArray[np.bool_]:
     """(episode, vessel) see `Pilot.giving_way`."""
     result = np.zeros(state.shape, np.bool_)
@@ -138,6 +151,7 @@ class Pilot:
             self._fleets.models["filter_s"] = 0.0
         self._commands = np.zeros((episodes, count, 2))
         self._command = BoundKernel(_command, self._fleets, self._step_s, self._commands)
+        self._thrust = BoundKernel(_thrust, self._fleets)
         self._giving_way = BoundKernel(_giving_way, self._fleets.state)
         self.reset()
 
@@ -219,6 +233,11 @@ class Pilot:
             np.ascontiguousarray(velocity, np.float64),
         )
         return self._commands
+
+    @property
+    def thrust(self) -> FloatArray:
+        """(episode, vessel, 2) thrust of port and starboard as the pilot knows it [N]."""
+        return self._thrust()
 
     @property
     def giving_way(self) -> NDArray[np.bool_]:

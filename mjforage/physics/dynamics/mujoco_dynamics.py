@@ -152,7 +152,7 @@ class MujocoDynamics:
         shape = initial.agent_node.shape
         self._positioning = create_positioning(self._scenario.sensors, shape, CONTROL_S)
         errors = self._positioning.errors
-        self._navigator = None if errors is None else Navigator(errors, *shape)
+        self._navigator = None if errors is None else Navigator(errors, self._models, shape[0])
         self._pilot = Pilot(self._models, self._chart, episodes, CONTROL_S, errors is not None)
         self._period = PeriodRecord.of(initial.agent_node.shape)
         self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
@@ -279,7 +279,7 @@ class MujocoDynamics:
         seen = self._positioning.measure(self._keys, self._tick, now.pose, now.velocity)
         if self._navigator is None:
             return Known(seen.pose, seen.velocity, now.pose)
-        found = self._navigator.update(active, *seen)
+        found = self._navigator.update(active, *seen, self._pilot.thrust)
         return Known(found.pose, found.velocity, found.pose, found.margin)
 
     def _feel(self, active: NDArray[np.bool_]) -> None:

@@ -136,7 +136,5 @@ class Gnss:
         seen = Measured(
             np.empty(pose.shape), np.empty(pose.shape), np.empty(pose.shape[:2], np.bool_)
         )
-        _measure(
-            self._errors, self._outages, self._memory, keys, tick, pose, velocity, seen
-        )
+        _measure(self._errors, self._outages, self._memory, keys, tick, pose, velocity, seen)
         return seen
