@@ -19,12 +19,13 @@ from mjforage.graph_planner.policies.registry import (
     policy_files,
     policy_parts,
 )
-from mjforage.mission.scoring import Metric, chosen_metrics, description
+from mjforage.mission.scoring import chosen_metrics, description
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import WORLDS
 from mjforage.runs.fingerprint import Code, our_code, outside_code
 from mjforage.runs.resuming import UNCOMPARED
 from mjforage.scenario.capture import load_capture, usual_capture
+from mjforage.scenario.scenario import Scenario, Sensors
 from mjforage.scenario.scenario_file import canonical_json, scenario_to_tree
 from mjforage.scenario.vessel_files import hull_names
 
@@ -44,14 +45,23 @@ def outside_code_of(policies: Iterable[str], classes: Iterable[Callable[..., Any
     return reduce(Code.joined, map(outside_code, [*parts, *classes]), Code({}, {}))
 
 
+def scenario_parts(scenario: Scenario) -> tuple[Callable[..., Any], ...]:
+    """Classes that a scenario names; raises `UserError` for one that the user does not trust."""
+    if scenario.sensors.positioning == Sensors.positioning:
+        return ()
+    from mjforage.physics.positioning import positioning_class  # kernels where they are wanted
+
+    return (positioning_class(scenario.sensors),)
+
+
 def run_code(
-    policies: Iterable[str], worlds: Iterable[str], metrics: Iterable[type[Metric]]
+    policies: Iterable[str], worlds: Iterable[str], classes: Iterable[Callable[..., Any]]
 ) -> Code:
     """All code that decides a run's numbers, and the libraries that it computes with."""
     names = list(policies)
     libraries = ["mujoco"] if any(world != "graph" for world in worlds) else []
     libraries += [one for name in names for one in policy_libraries(name)]
-    return our_code(libraries).joined(outside_code_of(names, metrics))
+    return our_code(libraries).joined(outside_code_of(names, classes))
 
 
 def policy_libraries(name: str) -> tuple[str, ...]:
@@ -150,7 +160,10 @@ def run_info(
     """
     navigable = setup.grid.navigable
     metric_classes = chosen_metrics(metrics)
-    origin, code = provenance(), run_code(policies, worlds, metric_classes)
+    origin, code = (
+        provenance(),
+        run_code(policies, worlds, [*metric_classes, *scenario_parts(setup.scenario)]),
+    )
     info: dict[str, Any] = {
         "command": origin["command"],
         "scenario": scenario_to_tree(setup.scenario),

@@ -25,7 +25,6 @@ from mjforage.base.registry import ImportSpec, blamed, trust, trusted
 from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policies.registry import POLICIES, add_policy, policies_lent
 from mjforage.mission.scoring import (
-    Metric,
     Scorer,
     chosen_metrics,
     import_specs_of,
@@ -35,7 +34,7 @@ from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
 from mjforage.runs.decision_time import Timer, timed
-from mjforage.runs.identity import outside_code_of, run_code, versions
+from mjforage.runs.identity import outside_code_of, run_code, scenario_parts, versions
 from mjforage.runs.recording import record
 from mjforage.runs.replaying import as_logged
 from mjforage.runs.selection import recording_file
@@ -99,22 +98,22 @@ class Job:
             tuple(info["worlds"]),
             import_specs_of(metric_classes) if workers.elsewhere else tuple(metrics),
             policy_import_specs(policies) if workers.elsewhere else (),
-            _code(policies, worlds, metric_classes),
+            _code(policies, worlds, [*metric_classes, *scenario_parts(setup.scenario)]),
             trusted() if workers.elsewhere else (),
             _packed(policies) if workers.elsewhere else b"",
         )
 
 
 def _code(
-    policies: Sequence[str], worlds: Sequence[str] | None, metrics: Sequence[type[Metric]]
+    policies: Sequence[str], worlds: Sequence[str] | None, classes: Sequence[Callable[..., Any]]
 ) -> tuple[tuple[str, str], ...]:
     """Code and versions that decide a run's numbers; only of what is not ours without worlds.
 
     Processes of one machine share all the rest.
     """
     if worlds is None:
-        return tuple(outside_code_of(policies, metrics).hashes.items())
-    code = run_code(policies, worlds, metrics)
+        return tuple(outside_code_of(policies, classes).hashes.items())
+    code = run_code(policies, worlds, classes)
     return tuple({**versions(code), **code.hashes}.items())
 
 
@@ -171,13 +170,17 @@ def _setup(job: Job) -> Setup:
     trust(*job.trusted)
     for policy, spec in job.specs:
         add_policy(policy, spec)
+    scenario = scenario_from_tree(json.loads(job.scenario_json), "scenario")
     if job.parent != os.getpid() and job.code:
         worlds = job.worlds if job.parent is None else None
-        here = dict(_code(job.policies, worlds, chosen_metrics(job.metrics)))
+        classes: list[Callable[..., Any]] = [
+            *chosen_metrics(job.metrics),
+            *scenario_parts(scenario),
+        ]
+        here = dict(_code(job.policies, worlds, classes))
         cluster.check_code(job.code, here)
     packed = np.frombuffer(job.cells, np.uint8)
     navigable = np.unpackbits(packed, count=job.shape[0] * job.shape[1]).reshape(job.shape)
-    scenario = scenario_from_tree(json.loads(job.scenario_json), "scenario")
     setup = Setup(scenario, GridMap(job.map_name, navigable.astype(np.bool_)))
     if job.parent is None:
         cluster.check_run(job.folder, job.hash, setup, job.metrics)

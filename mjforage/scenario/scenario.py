@@ -161,10 +161,13 @@ _Chance = Annotated[float, Within(0, 1)]
 _Distance = Annotated[float, Within(0, 1e4, "node")]
 
 
-_GNSS = source("XXX")
-_MEMORY = source("XXX")
-_LOG = source("XXX")
-_COMPASS = source("XXX")
+_GNSS = source(
+    "per axis, RMS / 1.41: NovAtel SMART-AG 1.27 m alone, 0.42 m with SBAS, 0.32 m with DGPS; "
+    "Leica GS12, RTK: 0.007 m"
+)
+_MEMORY = source("Garmin 12XL, correlation of errors measured by D. L. Wilson: about 1 min")
+_LOG = source("0.02 to 0.03 m/s: HoloOcean, example of a DVL; NovAtel SMART-AG, Doppler")
+_GUESS = source("estimate")
 
 
 @dataclass(frozen=True)
@@ -180,27 +183,6 @@ class Sensors:
     """Standard deviation of a position fix per axis."""
     heading_noise_deg: Annotated[float, Within(0, 20, "deg")] = 0.0
     """Standard deviation of the compass."""
-    positioning: str = "white"
-    """Model of the vessels' own sensors: `white`, the two keys above and an exact velocity; `gnss`,
-    those and all keys up to `filter`; or one of your own, `package.module:Class`."""
-    position_wander_m: Annotated[float, Within(0, 20, "m"), _GNSS] = 0.0
-    """Standard deviation per axis of a Gauss-Markov error of the fixes."""
-    position_memory_s: Annotated[float, Within(1, 1e5, "s"), _MEMORY] = 60.0
-    """Time constant of that error."""
-    outage_s: Annotated[float, Within(0, 1e4, "s")] = 0.0
-    """Length of the outages, in which the last fix is repeated; 0: there are none."""
-    outage_every_s: Annotated[float, Within(1, 1e5, "s")] = 120.0
-    """Time in which there is one outage, at a drawn moment."""
-    latency_s: Annotated[float, Within(0, 5, "s")] = 0.0
-    """Time from a measurement to the command that uses it, a multiple of 0.1 s."""
-    velocity_noise_mps: Annotated[float, Within(0, 1, "m/s"), _LOG] = 0.0
-    """Standard deviation per axis of the velocity over ground that a Doppler log measures in the
-    vessel's axes."""
-    compass_bias_deg: Annotated[float, Within(0, 45, "deg"), _COMPASS] = 0.0
-    """Standard deviation of a constant error of the compass, drawn per vessel and episode."""
-    filter: bool = True
-    """True: a filter that knows these errors estimates the position, and speeds beside obstacles
-    keep a margin for what it may be off; False: dead reckoning drawn to the fixes."""
     detection: _Chance = 1.0
     """p of an item in view, at distance 0 if it falls with the distance."""
     half_range_node: _Distance = 0.0
@@ -236,6 +218,27 @@ class Sensors:
     """Time between two frames, a multiple of 0.1 s."""
     camera_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate")] = 0.2
     """Time until the content of a frame is known, a multiple of 0.1 s."""
+    positioning: str = "white"
+    """Model of the vessels' own sensors: `white`, position and heading noise and exact velocities;
+    `gnss`, these noises and all keys below; or one of your own, `package.module:Class`."""
+    position_wander_m: Annotated[float, Within(0, 20, "m"), _GNSS] = 0.0
+    """Standard deviation per axis of a Gauss-Markov error of the fixes."""
+    position_memory_s: Annotated[float, Within(1, 1e5, "s"), _MEMORY] = 60.0
+    """Time constant of that error."""
+    outage_s: Annotated[float, Within(0, 1e4, "s")] = 0.0
+    """Length of the outages, in which the last fix is repeated; 0: there are none."""
+    outage_every_s: Annotated[float, Within(1, 1e5, "s"), _GUESS] = 120.0
+    """Time in which there is one outage, at a drawn moment."""
+    latency_s: Annotated[float, Within(0, 5, "s"), _GUESS] = 0.0
+    """Time from a measurement to the command that uses it, a multiple of 0.1 s."""
+    velocity_noise_mps: Annotated[float, Within(0, 1, "m/s"), _LOG] = 0.0
+    """Standard deviation per axis of the velocity over ground that a Doppler log measures in the
+    vessel's axes."""
+    compass_bias_deg: Annotated[float, Within(0, 45, "deg"), _GUESS] = 0.0
+    """Standard deviation of a constant error of the compass, drawn per vessel and episode."""
+    filter: bool = True
+    """True: a filter that knows these errors estimates the position, and speeds beside obstacles
+    keep a margin for what it may be off; False: dead reckoning drawn to the fixes."""
 
     @property
     def perfect(self) -> bool:

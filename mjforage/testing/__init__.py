@@ -12,7 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 from mjforage.base.extras import require
 from mjforage.testing.conformance import ConformanceError
-from mjforage.testing.part_checks import check_metric, check_observation, check_reward
+from mjforage.testing.part_checks import (
+    check_metric,
+    check_observation,
+    check_positioning,
+    check_reward,
+)
 from mjforage.testing.policy_checks import check_policy
 
 if TYPE_CHECKING:
@@ -24,6 +29,7 @@ __all__ = [
     "check_metric",
     "check_observation",
     "check_policy",
+    "check_positioning",
     "check_reward",
 ]
 

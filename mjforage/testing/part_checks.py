@@ -1,13 +1,14 @@
-"""Conformance of metrics, reward terms and observation encoders."""
+"""Conformance of metrics, reward terms, observation encoders and positioning models."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.encodings import create_encoder, encoder_class
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.rewards import RewardTerms, term_class
@@ -17,9 +18,11 @@ from mjforage.mission.mission import Mission
 from mjforage.mission.scoring import METRICS, Metric, Scorer, chosen_metrics
 from mjforage.mission.scoring.known import checked
 from mjforage.mission.setup import Setup
+from mjforage.physics.positioning import POSITIONING, create_positioning
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
+TICK_S = 0.1  # between two measurements
 Play = Callable[[list[int]], list[NDArray[Any]]]
 """Function from numbers of episodes to arrays (episode, ...), one for each step or result."""
 
@@ -213,12 +216,68 @@ def check_observation_alone(trial: PartTrial) -> None:
     _check_alone(trial, "observation_alone", partial(_pictures, trial))
 
 
+def _measured(
+    trial: PartTrial, episodes: list[int], before: list[int] | None = None
+) -> list[NDArray[Any]]:
+    """Measurements of vessels on circles, after a start of other episodes if there are any."""
+    vessels, found = len(trial.setup.fleet), list[NDArray[Any]]()
+    sensors = replace(trial.setup.scenario.sensors, positioning=trial.name)
+    model = create_positioning(sensors, (len(episodes), vessels), TICK_S)
+    for numbers, ticks in ((before or [], 7), (episodes, 40)):
+        if not numbers:
+            continue
+        keys, found = episode_keys(trial.seed, np.array(numbers)), []
+        for tick in range(ticks):
+            angle = np.add.outer(0.1 * np.array(numbers), 0.02 * tick + np.arange(vessels))
+            c, s, rate = np.cos(angle), np.sin(angle), np.full(angle.shape, 0.2)
+            pose, velocity = np.stack((9 * c, 9 * s, angle), -1), np.stack((-s, c, rate), -1)
+            seen = model.measure(keys, np.full(len(numbers), tick), pose, velocity)
+            found += [np.array(each, copy=True) for each in seen]
+        if numbers is before:
+            model.reset(np.arange(len(numbers)))
+    return found
+
+
+def check_positioning_shapes(trial: PartTrial) -> None:
+    """`measure` gives finite poses, velocities and fixes, of their shapes and kinds."""
+    vessels = len(trial.setup.fleet)
+    wanted = [f"float64 {(2, vessels, 3)}", f"float64 {(2, vessels, 3)}", f"bool {(2, vessels)}"]
+    seen = _measured(trial, [0, 1])
+    found = [f"{each.dtype} {each.shape}" for each in seen[:3]]
+    if found != wanted or not all(np.isfinite(each).all() for each in seen):
+        raise trial.error(
+            "positioning_shapes", f"gave {found}; give {wanted}, finite, in a Measured"
+        )
+
+
+def check_positioning_alone(trial: PartTrial) -> None:
+    """An episode gives the same alone, in another order and beside others, and again."""
+    _check_alone(trial, "positioning_alone", partial(_measured, trial))
+
+
+def check_positioning_restarts(trial: PartTrial) -> None:
+    """Episodes after a reset are those of a fresh model."""
+    pairs = zip(_measured(trial, [0, 1]), _measured(trial, [0, 1], [2, 3]), strict=True)
+    for number, (one, two) in enumerate(pairs):
+        if found := first_difference(one, two):
+            raise trial.error(
+                "positioning_restarts",
+                f"gave {found} at tick {number // 3} fresh and after other episodes; forget the "
+                "rows of reset",
+            )
+
+
 METRIC_CHECKS = (check_metric_is_described, check_metric_alone, check_metric_ends)
 REWARD_CHECKS = (check_reward_alone, check_reward_remembers_nothing)
 OBSERVATION_CHECKS = (
     check_observation_shapes,
     check_observation_twice,
     check_observation_alone,
+)
+POSITIONING_CHECKS = (
+    check_positioning_shapes,
+    check_positioning_alone,
+    check_positioning_restarts,
 )
 
 
@@ -254,3 +313,11 @@ def check_observation(
     """All checks of an observation encoder, by its reference; raises as `check_metric`."""
     encoder_class(observation)
     run_checks(OBSERVATION_CHECKS, PartTrial(observation, scenario, tuple(overrides)))
+
+
+def check_positioning(
+    positioning: str, scenario: str = "comb-port-gnss", overrides: Iterable[str] = ()
+) -> None:
+    """All checks of a positioning model, by its reference; raises as `check_metric`."""
+    POSITIONING.bound(positioning)
+    run_checks(POSITIONING_CHECKS, PartTrial(positioning, scenario, tuple(overrides)))

@@ -28,8 +28,10 @@ SETTINGS = {
     "roles": ROLES,
     "all": (*RADIO, *SENSORS, *ROLES),
 }
+GNSS = {"gnss": ("sensors.outage_every_s=40",)}
 WORLDS = [
     *((name, "graph") for name in SETTINGS),
+    ("gnss", "physics"),
     *(("plain", world) for world in ("calibrated", "debris", "physics")),
     ("all", "physics"),
 ]
@@ -111,7 +113,8 @@ def unpadded(one: NDArray[Any], other: NDArray[Any]) -> tuple[NDArray[Any], NDAr
 @pytest.mark.parametrize(("name", "world"), WORLDS)
 def test_episodes_that_start_in_a_batch_are_those_of_a_fresh_mission(name: str, world: str) -> None:
     """In every array, at once and as they go on; those that were kept have noticed nothing."""
-    setup = setup_of(*SETTINGS[name], name="comb-port" if world == "graph" else "comb-port-weather")
+    port = "comb-port" if world == "graph" else "comb-port-weather"
+    setup = setup_of(*(SETTINGS | GNSS)[name], name="comb-port-gnss" if name in GNSS else port)
     into, kept = (played(started(setup, 1, 2, 3, world=world), 6, "belief") for _ in range(2))
     into.restart(np.array([0]), episode_keys(5, np.array([4])))
     played(into, 3)

@@ -1,4 +1,4 @@
-"""Our metrics, terms and encoders pass; each check rejects a bad one."""
+"""Our metrics, terms, encoders and positioning models pass; each check rejects a bad one."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -9,11 +9,24 @@ import pytest
 from mjforage.graph_planner.encodings import ENCODERS
 from mjforage.learning.environments.rewards import REWARDS
 from mjforage.mission.scoring import METRICS
-from mjforage.testing import ConformanceError, check_metric, check_observation, check_reward
-from mjforage.testing.part_checks import METRIC_CHECKS, OBSERVATION_CHECKS, REWARD_CHECKS
+from mjforage.physics.positioning import POSITIONING
+from mjforage.testing import (
+    ConformanceError,
+    check_metric,
+    check_observation,
+    check_positioning,
+    check_reward,
+)
+from mjforage.testing.part_checks import (
+    METRIC_CHECKS,
+    OBSERVATION_CHECKS,
+    POSITIONING_CHECKS,
+    REWARD_CHECKS,
+)
 
 SHORT = ("horizon=5",)
 SOURCE = '''import numpy as np
+from mjforage.physics.positioning import Measured
 from mjforage.mission.scoring import Metric
 
 
@@ -129,6 +142,36 @@ class Crowd(Steps):
     def see(self, seen, rows):
         self.out[rows] = np.uint8(seen.agent_node[rows].sum() % 251)
         return {"steps": self.out}
+
+
+class Eastward:
+    errors = None
+
+    def __init__(self, sensors, shape, tick_s, by=0.5):
+        self.by, self.sum = by, np.zeros(shape)
+
+    def reset(self, rows):
+        self.sum[rows] = 0.0
+
+    def measure(self, keys, tick, pose, velocity):
+        self.sum += 1.0
+        shifted = pose + np.array([self.by, 0.0, 0.0]) * self.sum[..., None]
+        return Measured(shifted, velocity, np.ones(pose.shape[:2], bool))
+
+
+class Flat(Eastward):
+    def measure(self, keys, tick, pose, velocity):
+        return Measured(pose[..., :2], velocity, np.ones(pose.shape[:2], bool))
+
+
+class Batched(Eastward):
+    def measure(self, keys, tick, pose, velocity):
+        return Measured(pose + len(keys), velocity, np.ones(pose.shape[:2], bool))
+
+
+class Lasting(Eastward):
+    def reset(self, rows):
+        pass
 '''
 Check = Callable[..., None]
 BAD: list[tuple[Check, str, str, str]] = [
@@ -146,6 +189,9 @@ BAD: list[tuple[Check, str, str, str]] = [
     (check_observation, "Values", "observation_shapes", "gave {'steps': 'float32 .*give {'steps'"),
     (check_observation, "Scans", "observation_twice", "gave steps 1 and 2 .*for one step; rememb"),
     (check_observation, "Crowd", "observation_alone", "for one episode in two batches"),
+    (check_positioning, "Flat", "positioning_shapes", "gave .*float64 .2, 4, 2.*; give .*finite"),
+    (check_positioning, "Batched", "positioning_alone", "for one episode in two batches"),
+    (check_positioning, "Lasting", "positioning_restarts", "at tick 0 fresh and after other epi"),
 ]
 ENDING = [
     ("Longest", "metric_alone", "for one episode in two batches"),
@@ -184,7 +230,7 @@ def test_what_happens_after_an_end_is_seen_in_whole_episodes(
 
 
 def test_every_check_has_a_bad_one() -> None:
-    checks = (*METRIC_CHECKS, *REWARD_CHECKS, *OBSERVATION_CHECKS)
+    checks = (*METRIC_CHECKS, *REWARD_CHECKS, *OBSERVATION_CHECKS, *POSITIONING_CHECKS)
     rejected = {which for _, _, which, _ in BAD} | {which for _, which, _ in ENDING}
     assert {check.__name__.removeprefix("check_") for check in checks} == rejected
 
@@ -193,13 +239,15 @@ def test_good_ones_pass() -> None:
     check_metric("own_parts:Count", overrides=SHORT)
     check_reward("own_parts:East", overrides=SHORT)
     check_observation("own_parts:Steps", overrides=SHORT)
+    check_positioning("own_parts:Eastward(by=2)", overrides=SHORT)
 
 
 @pytest.mark.parametrize(
     ("check", "name"),
     [(check_metric, name) for name in METRICS.names()]
     + [(check_reward, name) for name in REWARDS.names()]
-    + [(check_observation, name) for name in ENCODERS.names()],
+    + [(check_observation, name) for name in ENCODERS.names()]
+    + [(check_positioning, name) for name in POSITIONING.names()],
 )
 def test_ours_pass(check: Check, name: str) -> None:
     if check is check_metric:

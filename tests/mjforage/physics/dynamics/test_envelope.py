@@ -34,8 +34,8 @@ def random_moves(
     nearest = np.full((episodes, PERIODS + 1, 1), np.inf)
     inner = dynamics._steer
 
-    def steer(active: Any, ids: Any, target: NDArray[np.float64], pose: Any) -> None:
-        inner(active, ids, target, pose)
+    def steer(active: Any, ids: Any, target: NDArray[np.float64], known: Any) -> None:
+        inner(active, ids, target, known)
         off = np.hypot(*np.moveaxis(dynamics._simulation.vessel_pose[..., :2] - target, -1, 0))
         now = (ids, mission.step[ids])
         nearest[now] = np.minimum(nearest[now], off[ids])
