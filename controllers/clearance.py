@@ -28,7 +28,7 @@ def turn_to_come(s: VesselState, p: ModelRecord) -> float:
 
 @kernel
 def joint_margin(s: VesselState, other: VesselState) -> float:
-    """What the distance of two vessels may be off [m]: their positions are so independently."""
+    """Margin between two vessels [m]: the root of the sum of squares, for independent errors."""
     return math.sqrt(s.margin * s.margin + other.margin * other.margin)
 
 

@@ -35,7 +35,7 @@ GYRO_RAD2PS = 1e-8  # variance that the heading gains per second
 
 
 class SensorErrors(NamedTuple):
-    """What a vessel's sensors are off by; standard deviations, of positions per axis."""
+    """Errors of a vessel's sensors: standard deviations, of positions per axis."""
 
     position_m: float  # white noise of a fix
     wander_m: float  # its Gauss-Markov error

@@ -30,7 +30,7 @@ class Outages(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the model remembers."""
+    """Memory of the model, from tick to tick."""
 
     past: FloatArray  # (episode, tick, vessel, 6) poses and velocities, by the tick's remainder
     fix: FloatArray  # (episode, vessel, 2) last fix [m]

@@ -66,7 +66,7 @@ def positioning_class(sensors: Sensors) -> Callable[..., Positioning]:
     UserError
         If there is none of that name, or it is code that the user has not named.
     """
-    POSITIONING.check_trusted(sensors.positioning.partition("(")[0], "sensors.positioning")
+    POSITIONING.check_trusted(sensors.positioning.partition("(")[0], "scenario")
     return POSITIONING.bound(sensors.positioning)[1]
 
 
