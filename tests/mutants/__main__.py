@@ -23,7 +23,7 @@ COPIED = (PACKAGE, "models", "tests", "docs", "examples")
 _PHYSICS = "tests/mjforage/physics"
 PLAIN = (
     *(f"{_PHYSICS}/hydrodynamics/", f"{_PHYSICS}/dynamics/test_touch"),
-    *(f"{_PHYSICS}/dynamics/test_period_monitor", f"{_PHYSICS}/dynamics/test_sensing"),
+    *(f"{_PHYSICS}/dynamics/test_period_monitor", f"{_PHYSICS}/positioning/test_white"),
     f"{_PHYSICS}/validation/test_checks.py::test_check[mouth]",
 )
 """Beginnings of checks that take less time without the compiler than it takes, without MuJoCo."""

@@ -18,6 +18,7 @@ from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.positioning import POSITIONING, Measured, create_positioning
 from mjforage.physics.worlds import WORLDS, create_mission
+from mjforage.runs.identity import scenario_parts
 from mjforage.scenario.scenario import Sensors
 from mjforage.scenario.scenario_file import load_scenario
 
@@ -25,7 +26,7 @@ FloatArray = NDArray[np.float64]
 
 
 class Shifted:
-    """All measurements of position and heading are off by a constant."""
+    """All measurements are off by a constant."""
 
     errors: SensorErrors | None = None
 
@@ -36,8 +37,10 @@ class Shifted:
         tick_s: float,
         east: float = 0.0,
         turn: float = 0.0,
+        speed: float = 0.0,
     ) -> None:
         self._off, self._fix = np.array([east, 0.0, turn]), np.ones(shape, np.bool_)
+        self._speed = np.array([speed, 0.0, 0.0])
 
     def reset(self, rows: NDArray[np.int64]) -> None:
         pass
@@ -45,7 +48,7 @@ class Shifted:
     def measure(
         self, keys: UInt64Array, tick: NDArray[np.int64], pose: FloatArray, velocity: FloatArray
     ) -> Measured:
-        return Measured(pose + self._off, velocity, self._fix)
+        return Measured(pose + self._off, velocity + self._speed, self._fix)
 
 
 class Broken(Shifted):
@@ -87,7 +90,15 @@ def test_vessels_steer_by_measured_positions(east: float) -> None:
     assert np.abs(pose[:, 1] - node[:, 1]).max() < 0.35
 
 
-def test_vessels_steer_by_measured_headings_and_velocities() -> None:
+def test_vessels_steer_by_measured_velocities() -> None:
+    mission = staying("shifted(speed=0.5)")
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, MujocoDynamics)
+    believed = dynamics._pilot._fleets.state["vx"][:, 0]
+    assert np.abs(believed - 0.5 - dynamics._motion.velocity[:, 0, 0]).max() < 0.1
+
+
+def test_vessels_steer_by_measured_headings() -> None:
     """A heading that is off by half a turn sends thrust the wrong way: it does not stay there."""
     right, wrong = staying("shifted"), staying(f"shifted(turn={math.pi:.3f}, east=0.9)")
     off = [np.hypot(*(pose[:, :2] - node).T).max() for pose, node in map(poses, (right, wrong))]
@@ -136,6 +147,12 @@ def test_a_mission_names_what_does_not_fit_before_it_starts() -> None:
     setup = Setup.of(load_scenario("comb-port-gnss", ["sensors.latency_s=0.25"]))
     with pytest.raises(UserError, match=r"latency_s = 0.25: give a multiple"):
         create_mission(setup, "physics")
+
+
+def test_code_of_a_model_is_part_of_a_runs_identity() -> None:
+    scenario = load_scenario("comb-port-gnss", ["sensors.positioning=shifted"])
+    assert scenario_parts(scenario) == (Shifted,)
+    assert scenario_parts(load_scenario("comb-port-weather")) == ()
 
 
 def test_worlds_below_physics_have_exact_sensors() -> None:
