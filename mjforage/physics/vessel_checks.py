@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.physics.contact_trials import head_on, into_quay
 from mjforage.physics.hydrodynamics.parameters import AIR_DENSITY_KGPM3
 from mjforage.physics.manoeuvre.standard import shares
 from mjforage.physics.scene import build_scene
@@ -29,6 +30,8 @@ STARTS = (  # surge, sway [m/s], yaw rate [rad/s]
     *((0.0, 0.8, -0.8), (0.0, 0.0, 1.2), (2.0, -0.5, 0.6)),
 )
 COAST_MPS, COAST_S = 1.5, 15.0
+QUAY_M, HEAD_ON_M = 0.05, 0.1  # depth of a contact at top speed
+REBOUND = 0.05  # share of the speed
 FINEST_S = 0.0025  # time step of the run that others are compared with
 SLACK = {Integrator.FAST: 0.02, Integrator.REFERENCE: 0.01}  # lengths, after a minute
 
@@ -52,6 +55,8 @@ class Measure(NamedTuple):
         """The range in words, without the unit."""
         if self.low == self.high:
             return formatted(self.low)
+        if math.isinf(self.low) and math.isinf(self.high):
+            return "none"
         if math.isinf(self.low):
             return f"at most {formatted(self.high)}"
         if math.isinf(self.high):
@@ -194,7 +199,7 @@ def measures_of(vessel: Vessel) -> list[Measure]:
     """Measures of a vessel's motion, with the limits of a sound one.
 
     At rest it stays; coasting it loses energy and follows the closed form; hard manoeuvres agree
-    with those in time steps of 0.0025 s.
+    with those in time steps of 0.0025 s; at top speed a quay and the bow of its like stop it.
 
     Raises
     ------
@@ -215,5 +220,17 @@ def measures_of(vessel: Vessel) -> list[Measure]:
             at_most(f"{name}: energy that rises without thrust", rise, 1e-9),
             at_most(f"{name}: coasting, off the closed form", error, 0.01, "m/s"),
             at_most(f"{name}: hard manoeuvres, off fine steps", off, slack, "m"),
+            *_of_contacts(vessel, integrator),
         ]
     return found
+
+
+def _of_contacts(vessel: Vessel, integrator: Integrator) -> list[Measure]:
+    name = f"{integrator.value}: top speed"
+    quay, met = into_quay(vessel, integrator), head_on(vessel, vessel, integrator)
+    return [
+        at_most(f"{name} into a quay, depth", quay.depth_m, QUAY_M, "m"),
+        at_most(f"{name} into a quay, speed given back", quay.rebound, REBOUND),
+        at_most(f"{name} into a quay, largest force", quay.force_n, math.inf, "N"),
+        at_most(f"{name} into its like, depth", met.depth_m, HEAD_ON_M, "m"),
+    ]

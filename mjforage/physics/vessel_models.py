@@ -97,6 +97,12 @@ def full_speed_s(vessel: Vessel) -> float:
     return _surge_kg(vessel) * cruise / (2.0 * vessel.thruster.thrust_range[1])
 
 
+def top_speed(vessel: Vessel) -> float:
+    """Speed through the water with full thrust ahead or astern, the higher of the two [m/s]."""
+    most = 2.0 * max(vessel.thruster.thrust_range[1], -vessel.thruster.thrust_range[0])
+    return _speed(vessel.linear_surge, vessel.quadratic_surge, most)
+
+
 def damping_rates(vessel: Vessel) -> dict[str, float]:
     """Rates at which drag takes small motions [1/s]: ahead at cruise speed, aside at rest, and
     turning at the highest rate.

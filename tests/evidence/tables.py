@@ -90,6 +90,12 @@ def validation(runs: Runs) -> Iterator[list[Cell]]:
         yield [number, f"`{name}`", what, {"mean": value}, *rest]
 
 
+def listed(runs: Runs) -> Iterator[list[Cell]]:
+    """Rows of words and then numbers."""
+    for what, *values in runs.figures:
+        yield [what, *({"mean": value} for value in values)]
+
+
 def speeds(runs: Runs) -> Iterator[list[Cell]]:
     """Each figure of `mjforage bench`."""
     for key, figure in runs.figures.items():
@@ -142,6 +148,8 @@ def picking(runs: Runs) -> Iterator[list[Cell]]:
 
 WHOLE: dict[str, Callable[[Runs], Iterator[list[Cell]]]] = {
     "validation": validation,
+    "contacts": listed,
+    "random-minutes": listed,
     "speeds": speeds,
     "speeds-hulls": speeds_of_hulls,
     "decision-times": decision_times,

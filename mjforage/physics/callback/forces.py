@@ -33,7 +33,7 @@ from mjforage.physics.callback.model_layout import (
 )
 from mjforage.physics.hydrodynamics.item_drag import item_load
 from mjforage.physics.hydrodynamics.parameters import VESSEL, Float64Array, VesselParameters
-from mjforage.physics.hydrodynamics.thruster import thruster_force
+from mjforage.physics.hydrodynamics.thruster import force_of_sides, saturated, thrust_amid_step
 
 
 class MujocoState(NamedTuple):
@@ -61,10 +61,9 @@ def _averaged(
 ) -> tuple[float, float, float, float, float, float]:
     """Loads in body axes that give vessel `v` its mean acceleration, and the inertia to feel.
 
-    Positions run half a step ahead of velocities, so the heading is taken back by that much. Half a
-    step of damping joins the inertia: a contact that stops the vessel then meets the full load at
-    rest, not the load that the free vessel would have had on average. For quadratic drag that is
-    exact with the slope at a third of the step: the mean of (v + a t)^2 over h is
+    Half a step of damping joins the inertia: a contact that stops the vessel then meets the full
+    load at rest, not the load that the free vessel would have had on average. For quadratic drag it
+    is exact with the slope at a third of the step: the mean of (v + a t)^2 over h is
     v^2 + h a (v + a h/3). Free motion is the same.
     """
     h, i = state.step_s, v * VESSEL_DOFS
@@ -72,7 +71,7 @@ def _averaged(
     command = state.ctrl[2 * v], state.ctrl[2 * v + 1]
     lagged = state.act[2 * v], state.act[2 * v + 1]
     ax, ay, ar = vessel_motion.mean_acceleration(
-        p, body, yaw - 0.5 * h * r, vx, vy, r, command, lagged, around, h
+        p, body, yaw, vx, vy, r, command, lagged, around, h
     )
     c, s = math.cos(yaw), math.sin(yaw)
     d_surge, d_sway, d_yaw = vessel_motion.damping(
@@ -96,7 +95,10 @@ def _instant(
 ) -> tuple[float, float, float, float, float, float]:
     """Loads on vessel `v` now, in body axes, and its inertia."""
     i = v * VESSEL_DOFS
-    push, twist = thruster_force(p, state.act[2 * v], state.act[2 * v + 1])
+    h, left, right = state.step_s, 2 * v, 2 * v + 1
+    port = thrust_amid_step(p, saturated(p, state.ctrl[left]), state.act[left], h)
+    starboard = thrust_amid_step(p, saturated(p, state.ctrl[right]), state.act[right], h)
+    push, twist = force_of_sides(p, port, starboard)
     surge, sway, turn = vessel_motion.loads(
         p,
         state.qpos[i + 2],

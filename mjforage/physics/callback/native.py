@@ -15,6 +15,7 @@ from numba import cfunc, types
 from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
+from mjforage.physics.callback.contact_rows import prepare_rows
 from mjforage.physics.callback.forces import MujocoState, apply
 from mjforage.physics.callback.model_layout import (
     HEADER,
@@ -67,7 +68,8 @@ def native_callback() -> Any:
     """
     at, factor_m = offsets(), _factor_m()
     o_n_numeric, o_n_user, o_timestep, o_numeric, o_row = at[:5]
-    o_qpos, o_qvel, o_act, o_ctrl, o_userdata, o_force, o_mass = at[5:]
+    o_qpos, o_qvel, o_act, o_ctrl, o_userdata, o_force, o_mass = at[5:12]
+    o_n_rows, o_gap, o_margin, o_response = at[12:]
 
     def passive(m: int, d: int) -> None:
         n_numeric, n_user = _size(m + o_n_numeric)[0], _size(m + o_n_user)[0]
@@ -93,6 +95,13 @@ def native_callback() -> Any:
         )
         apply(state)
         factor_m(m, d)
+        rows = _i32(d + o_n_rows)[0]
+        if rows > 0:
+            prepare_rows(
+                carray(_f64(_address(d + o_gap)[0]), rows),
+                carray(_f64(_address(d + o_margin)[0]), rows),
+                carray(_f64(_address(d + o_response)[0]), 4 * rows),
+            )
 
     signature = types.void(types.uintp, types.uintp)
     compiled: Callable[..., Any] = cfunc(signature)(passive)

@@ -32,7 +32,9 @@ _TOY = """
 <mujoco>
   <option timestep="0.0123456789"/><size nuserdata="1013"/>
   <custom><numeric name="mark" size="491" data="1"/></custom>
-  <worldbody><body><joint name="x" type="slide"/><geom size="1"/></body></worldbody>
+  <worldbody><body>
+    <joint name="x" type="slide" range="1 2" limited="true"/><geom size="1"/>
+  </body></worldbody>
   <actuator><general joint="x" dyntype="filter" gainprm="0"/></actuator>
 </mujoco>
 """
@@ -57,6 +59,10 @@ class Offsets(NamedTuple):
     userdata: int
     force: int
     mass: int
+    n_rows: int
+    rows_gap: int
+    rows_margin: int
+    rows_response: int
 
 
 def _c_type(declared: Any, where: str) -> Any:
@@ -94,14 +100,14 @@ def _offset(layout: Any, address: int, member: str, expected: float) -> int:
             raise StructError(f"{member} is no member of MuJoCo {mujoco.__version__}'s structs")
         at += getattr(layout, name).offset
         layout = dict(layout._fields_)[name]
-    if ctypes.sizeof(layout) != 8 or layout.from_address(address + at).value != expected:
+    if layout.from_address(address + at).value != expected:
         raise StructError(f"{member} is not where MuJoCo {mujoco.__version__} declares it")
     return at
 
 
 @lru_cache(maxsize=1)
 def offsets() -> Offsets:
-    """Offsets in the structs of this process's MuJoCo; each member read is 8 bytes long.
+    """Offsets in the structs of this process's MuJoCo.
 
     Raises
     ------
@@ -110,6 +116,7 @@ def offsets() -> Offsets:
     """
     model = mujoco.MjModel.from_xml_string(_TOY)
     data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)  # the joint is out of its range: a row of constraints
     of_model, of_data = (_c_struct(STRUCTS[name], name) for name in ("mjModel", "mjData"))
 
     def in_model(member: str, expected: float) -> int:
@@ -131,4 +138,8 @@ def offsets() -> Offsets:
         userdata=in_data("userdata"),
         force=in_data("qfrc_passive"),
         mass=in_data("M"),
+        n_rows=_offset(of_data, data._address, "nefc", data.nefc),
+        rows_gap=in_data("efc_pos"),
+        rows_margin=in_data("efc_margin"),
+        rows_response=in_data("efc_KBIP"),
     )

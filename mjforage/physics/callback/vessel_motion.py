@@ -14,7 +14,7 @@ from typing import NamedTuple
 from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.crossflow import cross_flow_slope
 from mjforage.physics.hydrodynamics.parameters import VesselParameters
-from mjforage.physics.hydrodynamics.thruster import saturated, thruster_force
+from mjforage.physics.hydrodynamics.thruster import force_of_sides, saturated, thrust_in_step
 from mjforage.physics.hydrodynamics.water_load import hull_force, load_drag, load_mass
 from mjforage.physics.hydrodynamics.wind_load import wind_force, wind_slope
 
@@ -104,7 +104,7 @@ def acceleration(
 def mean_acceleration(
     p: VesselParameters,
     mass: Inertia,
-    yaw: float,
+    ahead_yaw: float,
     vx: float,
     vy: float,
     r: float,
@@ -115,17 +115,21 @@ def mean_acceleration(
 ) -> tuple[float, float, float]:
     """Mean acceleration of the free vessel over the coming step, by one Runge-Kutta step.
 
-    `command` and `lagged` are (port, starboard); the lag itself is solved exactly.
+    Parameters
+    ----------
+    ahead_yaw : heading half a step ahead [rad], where positions of the fast integrator are; the
+        first of the four evaluations is at a heading without the yaw acceleration of that half step
+    vx, vy, r : velocity now
+    command, lagged : (port, starboard); the lag itself is solved exactly
     """
-    command = saturated(p, command[0]), saturated(p, command[1])
-    half = math.exp(-0.5 * step_s / p.lag)
-    left, right = lagged[0] - command[0], lagged[1] - command[1]
-    f0, n0 = thruster_force(p, lagged[0], lagged[1])
-    f1, n1 = thruster_force(p, command[0] + left * half, command[1] + right * half)
-    left, right = left * half * half, right * half * half
-    f2, n2 = thruster_force(p, command[0] + left, command[1] + right)
+    port = thrust_in_step(p, saturated(p, command[0]), lagged[0], step_s)
+    starboard = thrust_in_step(p, saturated(p, command[1]), lagged[1], step_s)
+    f0, n0 = force_of_sides(p, port[0], starboard[0])
+    f1, n1 = force_of_sides(p, port[1], starboard[1])
+    f2, n2 = force_of_sides(p, port[2], starboard[2])
     h = 0.5 * step_s
-    ax, ay, ar = acceleration(p, mass, yaw, vx, vy, r, f0, n0, around)
+    ax, ay, ar = acceleration(p, mass, ahead_yaw - h * r, vx, vy, r, f0, n0, around)
+    yaw = ahead_yaw - h * (r + 0.5 * h * ar)
     bx, by, br = acceleration(
         p, mass, yaw + h * r, vx + h * ax, vy + h * ay, r + h * ar, f1, n1, around
     )

@@ -350,6 +350,7 @@ class MujocoDynamics:
             after=self._motion,
             target=target,
             giving_way=self._pilot.giving_way,
+            met=simulation.contact_pose,
             water=simulation.vessel_water,
             lagged=simulation.thruster_state,
         )

@@ -65,6 +65,7 @@ class Tick(NamedTuple):
     after: Motion
     target: FloatArray  # (episode, vessel, 2) [m]
     giving_way: NDArray[np.bool_]  # (episode, vessel) held back for another vessel or a quay
+    met: FloatArray  # (episode, vessel, 3) poses in which vessels met, `Simulation.contact_pose`
     water: FloatArray  # (episode, vessel, 2) current at the vessels [m/s]
     lagged: FloatArray  # (episode, vessel, 2) state of the thrusters [rad/s] or [N]
 
@@ -110,7 +111,7 @@ def monitor(setup: MonitorSetup, seen: PeriodRecord, active: NDArray[np.bool_], 
         if not active[e]:
             continue
         start = tick.before.velocity[e]
-        touches(pose[e], start, size, setup.framed, setup.pitch_m, now, closing)
+        touches(tick.met[e], start, size, setup.framed, setup.pitch_m, now, closing)
         for v in range(vessels):
             x, y = pose[e, v, 0], pose[e, v, 1]
             seen.travelled_m[e, v] += math.hypot(x - before[e, v, 0], y - before[e, v, 1])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import inlined, kernel
 from mjforage.graph_planner.graph.geodesics import Int32Array
 
-TOLERANCE_M = 0.005  # a gap below this counts as a touch: MuJoCo's contacts are soft
+TOLERANCE_M = 0.005  # a gap below this counts as a touch: a hull that slides is lifted so far
 CORNER_M = 0.05  # corners this much farther than the deepest one are in the contact too
 PARALLEL_M = 1e-6  # overlaps that differ by less are those of parallel sides
 FloatArray = NDArray[np.float64]
@@ -185,12 +185,11 @@ def touches(
 ) -> None:
     """Contacts of the vessels of one episode with quays, the map's edge and each other.
 
-    MuJoCo's contact sensors do not give this: they lose a soft contact and find it again from tick
-    to tick (431 contacts begun instead of 140 in 900 s of `port_drive`), and know no speed.
+    MuJoCo's contact sensors do not give this: they know no speed.
 
     Parameters
     ----------
-    pose : (vessel, 3) x, y [m], yaw [rad] now
+    pose : (vessel, 3) x, y [m], yaw [rad] now, as contacts have it (`Simulation.contact_pose`)
     velocity : (vessel, 3) over ground, world axes, before the contact acts [m/s], [rad/s]
     size : (vessel, 2) half length, half beam [m]
     framed : (row + 2, column + 2) cells in a frame of land, -1 on land (`Water.framed`)

@@ -41,7 +41,63 @@ def command_for(p: VesselParameters, force: float) -> float:
 
 
 @kernel
-def thruster_force(p: VesselParameters, port: float, starboard: float) -> tuple[float, float]:
-    """Surge force [N] and yaw moment [N m] of both sides; port, at +y, turns clockwise."""
-    left, right = thrust(p, port), thrust(p, starboard)
-    return left + right, p.lever * (right - left)
+def crosses_dead_zone(p: VesselParameters, start: float, end: float) -> bool:
+    """True if a lagged command that goes from `start` to `end` enters or leaves the dead zone."""
+    low, high, zone = min(start, end), max(start, end), p.dead_zone
+    outside, inside = low >= zone or high <= -zone, low > -zone and high < zone
+    return zone > 0.0 and high > low and not (outside or inside)
+
+
+@kernel
+def lost_impulse(p: VesselParameters, command: float, start: float, end: float) -> float:
+    """Impulse [N s] that the dead zone takes while the lagged command goes from `start` to `end`.
+
+    c(t) = command + (start - command) exp(-t / lag) is monotonic, so that it is in the dead zone
+    from one time to another; the impulse is the integral of c between the two.
+    """
+    first = min(max(start, -p.dead_zone), p.dead_zone)
+    last = min(max(end, -p.dead_zone), p.dead_zone)
+    inside_s = p.lag * math.log((first - command) / (last - command))
+    return command * inside_s + p.lag * (first - last)
+
+
+@kernel
+def thrust_in_step(
+    p: VesselParameters, command: float, start: float, step_s: float
+) -> tuple[float, float, float]:
+    """Thrust of one side [N] at the start, the middle and the end of a step, for Simpson's rule.
+
+    Where the lagged command enters or leaves the dead zone within the step, the thrust jumps, which
+    no such rule sees. The three are then those without a dead zone less the mean that it takes.
+
+    Parameters
+    ----------
+    command : within the thruster's range, [rad/s] or [N]
+    start : lagged command at the start
+    """
+    half = math.exp(-0.5 * step_s / p.lag)
+    middle, end = command + (start - command) * half, command + (start - command) * half * half
+    if not crosses_dead_zone(p, start, end):
+        return thrust(p, start), thrust(p, middle), thrust(p, end)
+    lost = lost_impulse(p, command, start, end) / step_s
+    return start - lost, middle - lost, end - lost
+
+
+@kernel
+def thrust_amid_step(p: VesselParameters, command: float, lagged: float, step_s: float) -> float:
+    """Thrust of one side [N] for a stage of Runge-Kutta, where the dead zone's edge is a ramp.
+
+    The dead zone takes its mean from half a step before to half a step after, so that stages a
+    step apart share a jump instead of seeing it or not.
+    """
+    half, away = math.exp(-0.5 * step_s / p.lag), lagged - command
+    start, end = command + away / half, command + away * half
+    if not crosses_dead_zone(p, start, end):
+        return thrust(p, lagged)
+    return lagged - lost_impulse(p, command, start, end) / step_s
+
+
+@kernel
+def force_of_sides(p: VesselParameters, port: float, starboard: float) -> tuple[float, float]:
+    """Surge force [N] and yaw moment [N m] of two thrusts [N]; port, at +y, turns clockwise."""
+    return port + starboard, p.lever * (starboard - port)

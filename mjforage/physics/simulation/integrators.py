@@ -11,6 +11,8 @@ from enum import Enum
 import mujoco
 
 from mjforage.physics.callback.model_layout import AVERAGED, INSTANT, SCHEME
+from mjforage.physics.scene import Scene
+from mjforage.physics.simulation.fenders import set_fenders
 
 
 class Integrator(Enum):
@@ -27,15 +29,16 @@ class Integrator(Enum):
         return 0.1 if self is Integrator.FAST else 0.02
 
 
-def prepared(model: mujoco.MjModel, integrator: Integrator, step_s: float) -> mujoco.MjModel:
+def prepared(scene: Scene, integrator: Integrator, step_s: float) -> mujoco.MjModel:
     """A copy of a scene's model set up for an integrator and a step [s]."""
-    copy: mujoco.MjModel = model.__copy__()
+    copy: mujoco.MjModel = scene.model.__copy__()
     fast = integrator is Integrator.FAST
     kind = mujoco.mjtIntegrator.mjINT_EULER if fast else mujoco.mjtIntegrator.mjINT_RK4
     lag = mujoco.mjtDyn.mjDYN_FILTEREXACT if fast else mujoco.mjtDyn.mjDYN_FILTER
     copy.opt.timestep, copy.opt.integrator = step_s, kind
     copy.actuator_dyntype[:] = lag
     copy.numeric_data[SCHEME] = AVERAGED if fast else INSTANT
+    set_fenders(copy, scene, step_s, ahead=fast)
     return copy
 
 

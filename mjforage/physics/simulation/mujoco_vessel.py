@@ -40,7 +40,7 @@ class MujocoVessel:
                 f"give {SHORTEST_LAG_S:g} s or more"
             )
         self._longest_s = min(LONGEST_S, vessel.lag_s)
-        self._model = prepared(build_scene([vessel]).model, Integrator.REFERENCE, self._longest_s)
+        self._model = prepared(build_scene([vessel]), Integrator.REFERENCE, self._longest_s)
         self._data = data = mujoco.MjData(self._model)
         data.userdata[WIND : WIND + 2] = conditions.wind_mps
         data.userdata[WATER : WATER + 2] = conditions.current_mps

@@ -41,6 +41,7 @@ def noted(
             after=Motion(pose, velocity),
             target=np.array([[target]]),
             giving_way=np.full((1, 1), giving_way),
+            met=pose,
             water=np.array([[[water, 0.0]]]),
             lagged=np.full((1, 1, 2), lagged),
         )

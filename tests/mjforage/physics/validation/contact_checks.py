@@ -233,6 +233,7 @@ def noted(
             after=Motion(simulation.vessel_pose, simulation.vessel_velocity),
             target=np.zeros((*shape, 2)),
             giving_way=np.zeros(shape, np.bool_),
+            met=simulation.contact_pose,
             water=simulation.vessel_water,
             lagged=simulation.thruster_state,
         )

@@ -14,14 +14,15 @@ from tests.mjforage.physics.validation import (
     drift_checks,
     manoeuvre_checks,
     motion_checks,
+    random_minutes,
     repeat_checks,
     weather_checks,
 )
 from tests.mjforage.physics.validation.measures import CHECKS, utilisation
 
 MODULES = (
-    *(contact_checks, drift_checks, manoeuvre_checks, motion_checks, repeat_checks),
-    weather_checks,
+    *(contact_checks, drift_checks, manoeuvre_checks, motion_checks, random_minutes),
+    *(repeat_checks, weather_checks),
 )
 """Modules that register checks."""
 
