@@ -11,6 +11,7 @@ from mjforage.controllers.allocation import thrust_of
 from mjforage.controllers.chart import Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
 from mjforage.controllers.estimate import estimate
+from mjforage.controllers.getting_off import note_held
 from mjforage.controllers.prediction import NEVER_S, SAMPLES
 from mjforage.controllers.quayside import note_quays
 from mjforage.controllers.safety import limit_speeds
@@ -62,6 +63,7 @@ def _steer_fleet(fleets: FleetArrays, e: int, step_s: float, commands: FloatArra
     for v in range(models.shape[0]):
         note_quays(fleet[v], models[v], fleets.land, fleets.pitch)
         limit_speeds(fleet, models, fleets.land, fleets.pitch, v)
+        note_held(fleet[v], models[v], fleets.land, fleets.pitch, step_s)
         port, starboard = steer(fleet[v], models[v], room, step_s)
         commands[e, v, 0], commands[e, v, 1] = port, starboard
 

@@ -123,7 +123,8 @@ def limit_speeds(
     reach += s.margin
     if limit_going(state, models, land, pitch, i, QUAYS, reach) < NEAR_M + s.margin:
         heed_land(s, p, land, pitch)
-    heed_lee(s, p, land, pitch)
+    if s.off_s == 0.0:
+        heed_lee(s, p, land, pitch)
     s.up = windward_room(s, p, land, pitch) if s.mode == HOLD else 0.0
     far = reach + LONGEST_PATH_M + 0.5 * p.length_m + s.margin
     for j in range(state.shape[0]):
