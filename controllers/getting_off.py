@@ -12,7 +12,7 @@ from mjforage.controllers.chart import LandArray, quay_gap
 from mjforage.controllers.state import TRANSIT, VesselState
 from mjforage.controllers.vessel_model import ModelRecord
 
-HELD_M, HELD_S = 0.6, 6.0  # not farther from where it was for so long, and leaning: held
+HELD_M, HELD_S = 0.6, 10.0  # not farther from where it was for so long, and leaning: held
 PICKING_S = 20.0  # the same with an item to pick up, which has ways of its own to begin anew
 AWAY_M = 0.8  # from the place that it keeps
 OFF_M, OFF_S = 2.5, 10.0  # it goes so far, but no longer than that
@@ -64,9 +64,7 @@ def patience(s: VesselState) -> float:
 
 
 @kernel
-def note_held(
-    s: VesselState, p: ModelRecord, land: LandArray, pitch: float, step_s: float
-) -> None:
+def note_held(s: VesselState, p: ModelRecord, land: LandArray, pitch: float, step_s: float) -> None:
     """Count for how long quays or vessels have held a vessel, and let it get off in time."""
     far = math.sqrt((s.x - s.was_x) ** 2 + (s.y - s.was_y) ** 2)
     if s.off_s > 0.0 and far < OFF_M:

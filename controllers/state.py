@@ -101,10 +101,8 @@ class VesselState:
     # Whether it backs off from it (see `quayside`); for how long it has been still [s].
     approach: float
     still_s: float
-<<<<<<< HEAD
     # What its position may be off [m], see `navigation`.
     margin: float
-=======
     # Where it was when quays began to hold it, and for how long they have [s]; the course on which
     # it gets off, ahead (1) or astern (-1), and the time left for that [s] (see `getting_off`).
     was_x: float
@@ -113,7 +111,6 @@ class VesselState:
     off_heading: float
     off_way: float
     off_s: float
->>>>>>> 7f80b43f (A vessel that quays hold leaves them on the course with most room)
 
 
 STATE = record_type(VesselState.__annotations__)
