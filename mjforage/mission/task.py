@@ -86,6 +86,14 @@ class Task:
         """Growth of idleness per step: 1 / (0.9 T) (definitions, section 1)."""
         return 1.0 / (0.9 * self.horizon)
 
+    def exhausted(self, energy_left: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(episode, agent) whether an agent can never move again by its energy left [node].
+
+        It has less than its shortest move takes: a node where `shorten` is on, since others in the
+        way of a longer move make it as short as that; else all nodes of a move.
+        """
+        return energy_left < (1 if self.rules.shorten else self.fleet.moves)
+
     @cached_property
     def view_radii(self) -> tuple[float, ...]:
         """Distinct sensing radii of the fleet, ascending [node]."""

@@ -26,7 +26,7 @@ class Outcome:
     terminated: NDArray[np.bool_]  # (env,) no item is left, or nobody can move
     truncated: NDArray[np.bool_]  # (env,) the horizon is reached with items left
     illegal: NDArray[np.int64]  # (env,) chosen moves that were not legal, or taken by another
-    exhausted: NDArray[np.bool_]  # (env, agent) has not the energy for another move
+    exhausted: NDArray[np.bool_]  # (env, agent) see `Task.exhausted`
     taken: NDArray[np.int8]  # (env, agent) moves that were made
     sums: dict[str, NDArray[np.float64]]  # `terms` of the episode so far; live
 
@@ -155,8 +155,8 @@ class EnvironmentCore:
 
     @property
     def exhausted(self) -> NDArray[np.bool_]:
-        """(env, agent) whether an agent has not the energy for another move."""
-        return self.mission.knowledge.energy_left < 1.0
+        """(env, agent) see `Task.exhausted`."""
+        return self.setup.task.exhausted(self.mission.knowledge.energy_left)
 
     @property
     def masks(self) -> NDArray[np.int8]:

@@ -13,6 +13,7 @@ from mjforage.mission.moves import (
     free_move,
     reachable_share,
 )
+from mjforage.mission.task import Task
 from mjforage.scenario.roles import Fleet, Role
 from tests.graph_planner.charts import grid
 
@@ -139,6 +140,21 @@ def test_energy_left_limits_the_length_of_a_move() -> None:
     assert moves.direction[0, 0] == N  # two diagonal nodes would take 2.83
     tired = resolve(WATER, {"scouts": SCOUT}, [(2, 2)], [[1, N, STAY]], FREE, energy=1.9)
     assert tired.direction[0, 0] == STAY
+
+
+@pytest.mark.parametrize("shorten", [False, True])
+@pytest.mark.parametrize("energy", [0.9, 1.0, 1.9, 2.0])
+def test_an_agent_is_exhausted_when_it_can_never_move_again(shorten: bool, energy: float) -> None:
+    """Where moves are shortened, a scout of two nodes needs energy for one: for a move that ends
+    before another agent. Where they are not, it needs energy for both.
+    """
+    rules, teams = MoveRules(True, shorten), {"scouts": SCOUT, "foragers": FORAGER}
+    task = Task(WATER, Fleet.of(teams), rules, horizon=10)
+    wishes = [[E, STAY], [W, STAY]]
+    moves = [resolve(WATER, teams, [(2, 0), (2, at)], wishes, rules, energy) for at in (3, 4)]
+    able = np.any([move.direction[0] != STAY for move in moves], axis=0)
+    assert able.tolist() == [energy >= (1.0 if shorten else 2.0), energy >= 1.0]
+    np.testing.assert_array_equal(task.exhausted(np.full(2, energy)), ~able)
 
 
 def test_unwanted_legal_moves_are_still_taken_when_nothing_else_is_left() -> None:

@@ -35,7 +35,7 @@ GAMMA = 0.99
 def _ongoing(step: Step) -> list[NDArray[np.bool_]]:
     """(episode, agent) whose episode is not over, before a step and after it."""
     return [
-        (at.item_node >= 0).any(axis=1, keepdims=True) & (at.energy_left >= 1.0)
+        (at.item_node >= 0).any(axis=1, keepdims=True) & ~step.task.exhausted(at.energy_left)
         for at in (step.before, step.after)
     ]
 
@@ -90,7 +90,7 @@ def _within_reach(
     ledger: Ledger,
     item_node: Int32Array,
     agent_node: Int32Array,
-    energy_left: NDArray[np.float64],
+    able: NDArray[np.bool_],
     step: Int32Array,
     decay: float,
     workspace: Workspace,
@@ -109,7 +109,7 @@ def _within_reach(
                 n += 1
         nearest[:n] = FAR
         for a in range(agents):
-            if arrays.collects[a] and energy_left[e, a] >= 1.0:
+            if able[e, a]:
                 _nearer(arrays, nodes[:n], a, agent_node[e, a], workspace, nearest, whose)
         for i in range(n):
             if nearest[i] < FAR:
@@ -157,8 +157,9 @@ class WithinReach(Potential):
     def value(self, step: Step, at: Before) -> Amounts:
         """(episode, agent) share of all items."""
         out = np.empty(at.agent_node.shape)
-        about = step.task.arrays, step.mission.ledger, at.item_node, at.agent_node
-        self._within_reach(*about, at.energy_left, at.step, self._decay, step.workspace, out)
+        able = step.task.fleet.collects & ~step.task.exhausted(at.energy_left)
+        about = step.task.arrays, step.mission.ledger, at.item_node, at.agent_node, able
+        self._within_reach(*about, at.step, self._decay, step.workspace, out)
         return out
 
 

@@ -291,8 +291,13 @@ def test_ends_are_told_apart() -> None:
     assert info["pta_c"] == 100.0  # nothing is left
 
 
-def test_an_agent_without_energy_is_over_and_the_others_go_on() -> None:
-    env = mjforage.parallel_env(set=("team.foragers.energy=3", "horizon=12"))
+@pytest.mark.parametrize(
+    ("scenario", "store"),
+    [("comb-port", "team.foragers.energy=3"), ("published", "team.scouts.energy=3.9")],
+)
+def test_an_agent_without_energy_is_over_and_the_others_go_on(scenario: str, store: str) -> None:
+    """In `published` a scout has one move of two nodes, of which none is made shorter."""
+    env = mjforage.parallel_env(scenario=scenario, set=(store, "horizon=12"))
     seen, _ = env.reset(seed=0)
     gone = 0
     while env.agents:
@@ -301,7 +306,7 @@ def test_an_agent_without_energy_is_over_and_the_others_go_on() -> None:
         seen, _, terminated, truncated, _ = env.step(actions)
         gone += sum(terminated.values())
         assert before - set(env.agents) == {a for a in before if terminated[a] or truncated[a]}
-    assert gone == 2  # both foragers, of four agents
+    assert gone == 2  # both of a team, of four agents
 
 
 def test_rewards_of_agents_are_those_of_the_parallel_view() -> None:
