@@ -122,3 +122,18 @@ def test_an_argument_that_no_environment_takes_is_a_type_error_in_pythons_words(
     with pytest.raises(TypeError, match=words) as caught:
         gymnasium.make(name, frameskip=1)
     assert isinstance(caught.value, UserError)
+
+
+@pytest.mark.parametrize("given", [{"threads": 2}, {"copy": False}, {"autoreset_mode": "SameStep"}])
+def test_an_argument_of_batches_is_refused_where_each_environment_is_by_itself(
+    given: dict[str, Any],
+) -> None:
+    ((name, value),) = given.items()
+    words = rf"^{name} = {value!r}: is of batches.*make_vec\(.*\) without vectorization_mode"
+    for make in (
+        lambda: gymnasium.make(NAME, **given),
+        lambda: gymnasium.make("mjforage/SharedPolicy-v0", **given),
+        lambda: gymnasium.make_vec(NAME, 2, vectorization_mode="sync", **given),
+    ):
+        with pytest.raises(UserError, match=words):
+            make()
