@@ -25,7 +25,6 @@ from mjforage.physics.run_warnings import run_warnings
 from mjforage.physics.worlds import WORLDS
 from mjforage.scenario.scenario import Scenario
 
-
 BATCHES = "num_envs", "autoreset_mode", "copy", "threads"
 """Arguments of `ForagingVectorEnv` alone."""
 

@@ -27,7 +27,7 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Arrays, int]):  # 
     same keys at every step; but for `step` they are of the true state of the whole fleet, and are
     not for agents. **State** `state()`, for central critics: the table of `state_of`.
     **Reward** each agent's own terms. **End** all are terminated when no item is left, one when it
-    has not the energy for another move (it then stays where it is, and still sees); all are
+    can never move again, see `Task.exhausted` (it then stays where it is, and still sees); all are
     truncated at the horizon.
     """
 

@@ -5,7 +5,7 @@ Such terms do not change which policy is best for a learner whose discount per s
 Harada, Russell, *Policy invariance under reward transformations*, 1999), nor, one potential for
 each agent, which joint policies are equilibria (Devlin, Kudenko, *Theoretical considerations of
 potential-based reward shaping for multi-agent systems*, 2011). For that Phi is 0 in states in which
-the agent's episode is over: no item is left, or it has not the energy for another move. At a
+the agent's episode is over: no item is left, or it is exhausted (`Task.exhausted`). At a
 truncation it stays, as the value from which learners go on there does.
 """
 
