@@ -1,6 +1,9 @@
 """Compiling kernels before they are needed: by playing a little of what will be played."""
 
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -8,47 +11,72 @@ import numpy as np
 
 import mjforage
 from mjforage.api.evaluating import evaluate
+from mjforage.api.training import train
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.policies import create_policy, policy_names
+from mjforage.learning.environments.rewards import PRESETS
 
-SCENARIOS = "comb-port", "comb-port-weather", "comb-port-radio"
+SCENARIOS = "comb-port", "comb-port-weather", "comb-port-radio", "channels"
 POLICIES = "greedy", "belief"
 WORLDS = "graph", "physics"
 DECISIONS = 6
 ENCODINGS = "egocentric", "paper"
+TINY = {"num_envs": 2, "capacity": 1000, "batch": 4, "warmup": 4, "evaluate_episodes": 1}
+"""Settings of a training that is over at once."""
 
 
 def compile_kernels(
     scenarios: Sequence[str] = (), policies: Sequence[str] = (), worlds: Sequence[str] = ()
 ) -> None:
-    """Compile and keep the kernels of missions, runs and environments.
+    """Compile and keep the kernels of runs, pictures, environments and training.
 
-    What else a scenario or policy needs is compiled when it is first played.
+    What else a scenario or policy needs is compiled when it is first played. What cannot be played
+    here for want of an extra or of OpenGL is left out.
 
     Parameters
     ----------
-    scenarios, policies, worlds : names; none: `SCENARIOS`, `POLICIES`, `WORLDS`
+    scenarios, worlds : names; none: `SCENARIOS`, `WORLDS`
+    policies : names; none: all of them in the first scenario, `POLICIES` in the others
 
     Raises
     ------
     UserError
         If there is no such scenario, policy or world.
     """
-    worlds = worlds or WORLDS
-    for scenario in scenarios or SCENARIOS:
-        about: dict[str, Any] = {"world": worlds, "episodes": 2, "horizon": DECISIONS}
-        evaluate(scenario, list(policies or POLICIES), progress=False, **about)
+    worlds, scenarios, usual = worlds or WORLDS, scenarios or SCENARIOS, [*_playable()]
+    about: dict[str, Any] = {"world": worlds, "episodes": 2, "horizon": DECISIONS}
+    for scenario in scenarios:
+        run = evaluate(scenario, list(policies or usual), progress=False, **about)
         for world in worlds:
+            with suppress(UserError):
+                run.frame(world=world, time_s=5.0)
             for observation in ENCODINGS:
                 _use_environments(scenario=scenario, world=world, observation=observation)
+        usual = [*POLICIES]
+    with suppress(UserError), tempfile.TemporaryDirectory() as folder:
+        settings = TINY | {"vary.items.mean": [50, 75]}
+        about = {"updates": 1, "horizon": 4, "settings": settings, "folder": Path(folder, "train")}
+        train("ddqn", scenarios[0], progress=False, **about)
+
+
+def _playable() -> Iterator[str]:
+    """Names of the policies that can be made here."""
+    for name in policy_names():
+        with suppress(UserError):
+            create_policy(name)
+            yield name
 
 
 def _use_environments(**arguments: Any) -> None:
-    """Reset and step every kind of environment; of two side by side one starts again."""
+    """Reset, step and draw every kind of environment; of two side by side one starts again."""
+    arguments |= {"reward": dict.fromkeys(PRESETS, 1.0), "render_mode": "rgb_array"}
     env: Any = gymnasium.make_vec("mjforage/Foraging-v0", num_envs=2, **arguments)
     env.reset(seed=0)
     actions = np.zeros(env.action_space.shape, np.int64)
     env.step(actions)
     env.reset(options={"reset_mask": np.array([True, False])})
     env.step(actions)
+    env.render()
     single: Any = gymnasium.make("mjforage/SharedPolicy-v0", **arguments)
     single.reset(seed=0)
     for _ in range(actions.shape[1]):

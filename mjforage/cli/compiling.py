@@ -10,18 +10,20 @@ def compile_kernels(
     policy: Policies = (),
     world: Words = (),
 ) -> None:
-    """Compile what missions and environments need, before they are first used.
+    """Compile what runs, films, environments and training need, before they are first used.
 
-    Without it the first run or reset compiles, which takes up to a minute. For images of
-    containers, and before the workers of a cluster start. The results lie in the user's cache, or
+    It takes two to three minutes on one core; the first run or reset would wait for a part of them.
+    For images of containers, and before the workers of a cluster start. Without --policy the first
+    scenario has all policies, the others greedy and belief. The results lie in the user's cache, or
     in the folder of the environment variable NUMBA_CACHE_DIR, and are for this type of processor.
 
     Parameters
     ----------
     scenarios
-        Shipped scenarios or TOML files; default comb-port, comb-port-weather and comb-port-radio.
+        Shipped scenarios or TOML files; default comb-port, comb-port-weather, comb-port-radio and
+        channels.
     policy
-        May be given several times; default greedy and belief.
+        May be given several times.
     world
         May be given several times; default graph and physics.
     """

@@ -5,22 +5,43 @@ import subprocess
 import sys
 from pathlib import Path
 
-SPAWNED = """
+PROGRAM = """
+import tempfile
 from functools import partial
 import gymnasium
 from gymnasium.vector import AsyncVectorEnv
-import mjforage
+import mjforage as mf
 
 ABOUT = {"scenario": "open-bay", "set": {"horizon": 4}}
+TINY = {"num_envs": 2, "capacity": 1000, "batch": 4, "warmup": 4, "evaluate_episodes": 1}
 
 def main():
+    folder = tempfile.mkdtemp()
+    worlds = ["graph", "physics"]
+    about = {"episodes": 2, "world": worlds, "horizon": 7, "progress": False}
+    run = mf.evaluate("open-bay", list(mf.names("policies")), **about)
+    run.report(folder + "/report.html")
+    for world in worlds:
+        run.film(f"{folder}/{world}.mp4", "greedy", world=world, duration_s=1.0, progress=False)
+    for world in worlds:
+        for reward in ("mission", "published", "ddqn"):
+            more = ABOUT | {"reward": reward, "world": world, "render_mode": "rgb_array"}
+            play(gymnasium.make_vec("mjforage/Foraging-v0", num_envs=3, **more))
+            play(gymnasium.make("mjforage/SharedPolicy-v0", **more))
+    play(gymnasium.make("mjforage/Waypoint-v0"))
     make = partial(gymnasium.make, "mjforage/Foraging-v0", **ABOUT)
-    batch = gymnasium.make_vec("mjforage/Foraging-v0", num_envs=3, **ABOUT)
-    for env in (AsyncVectorEnv([make] * 2, context="spawn"), batch):
-        env.reset(seed=1)
-        for _ in range(6):
-            env.step(env.action_space.sample())
-        env.close()
+    play(AsyncVectorEnv([make] * 2, context="spawn"))
+    for algorithm, settings in (("ddqn", TINY), ("mappo", {"num_envs": 2})):
+        more = {"folder": f"{folder}/{algorithm}", "settings": settings, "progress": False}
+        mf.train(algorithm, "open-bay", horizon=4, updates=1, **more)
+
+def play(env):
+    env.reset(seed=1)
+    for _ in range(6):
+        env.step(env.action_space.sample())
+    if env.render_mode:
+        env.render()
+    env.close()
 
 if __name__ == "__main__":
     main()
@@ -37,7 +58,7 @@ def ran(cache: Path, *arguments: str) -> str:
         text=True,
         check=True,
     )
-    assert "UserWarning" not in done.stderr, "the command line says it by its progress"
+    assert "UserWarning: mjforage compiles" not in done.stderr, "the command line shows it itself"
     return done.stdout
 
 
@@ -46,12 +67,12 @@ def kept(cache: Path) -> dict[str, int]:
     return {path.name: path.stat().st_mtime_ns for path in cache.rglob("*.nbc")}
 
 
-def test_spawned_workers_and_batches_find_all_compiled(tmp_path: Path) -> None:
-    command = "-m", "mjforage", "compile", "open-bay", "--policy", "greedy", "--world", "graph"
-    said = ran(tmp_path, *command)
+def test_after_it_nothing_is_compiled_in_either_world(tmp_path: Path) -> None:
+    """By runs of all policies, reports, films, environments, workers and training."""
+    said = ran(tmp_path, "-m", "mjforage", "compile", "open-bay")
     before = kept(tmp_path)
     assert said == f"{tmp_path / 'mjforage'}: {len(before)} kernels\n"
-    assert len(before) > 50
-    (tmp_path / "spawned.py").write_text(SPAWNED)
-    ran(tmp_path, str(tmp_path / "spawned.py"))
+    assert len(before) > 400
+    (tmp_path / "program.py").write_text(PROGRAM)
+    ran(tmp_path, str(tmp_path / "program.py"))
     assert kept(tmp_path) == before
