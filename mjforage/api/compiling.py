@@ -3,15 +3,12 @@
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 
 import mjforage
-from mjforage.api.evaluating import evaluate
-from mjforage.api.training import train
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies import create_policy, policy_names
 from mjforage.learning.environments.rewards import PRESETS
@@ -21,8 +18,7 @@ POLICIES = "greedy", "belief"
 WORLDS = "graph", "physics"
 DECISIONS = 6
 ENCODINGS = "egocentric", "paper"
-TINY = {"num_envs": 2, "capacity": 1000, "batch": 4, "warmup": 4, "evaluate_episodes": 1}
-"""Settings of a training that is over at once."""
+TRAINING = {"num_envs": 2, "capacity": 1000, "batch": 4, "warmup": 4, "evaluate_episodes": 1}
 
 
 def compile_kernels(
@@ -43,20 +39,20 @@ def compile_kernels(
     UserError
         If there is no such scenario, policy or world.
     """
-    worlds, scenarios, usual = worlds or WORLDS, scenarios or SCENARIOS, [*_playable()]
-    about: dict[str, Any] = {"world": worlds, "episodes": 2, "horizon": DECISIONS}
+    worlds, scenarios = worlds or WORLDS, scenarios or SCENARIOS
+    about: dict[str, Any] = {"horizon": DECISIONS, "progress": False}
     for scenario in scenarios:
-        run = evaluate(scenario, list(policies or usual), progress=False, **about)
+        playing = policies or (_playable() if scenario == scenarios[0] else POLICIES)
+        more = about | {"episodes": 2, "world": worlds}
+        run = mjforage.evaluate(scenario, list(playing), **more)
         for world in worlds:
             with suppress(UserError):
                 run.frame(world=world, time_s=5.0)
             for observation in ENCODINGS:
                 _use_environments(scenario=scenario, world=world, observation=observation)
-        usual = [*POLICIES]
     with suppress(UserError), tempfile.TemporaryDirectory() as folder:
-        settings = TINY | {"vary.items.mean": [50, 75]}
-        about = {"updates": 1, "horizon": 4, "settings": settings, "folder": Path(folder, "train")}
-        train("ddqn", scenarios[0], progress=False, **about)
+        about |= {"settings": TRAINING | {"vary.items.mean": [50, 75]}, "folder": f"{folder}/run"}
+        mjforage.train("ddqn", scenarios[0], updates=1, **about)
 
 
 def _playable() -> Iterator[str]:

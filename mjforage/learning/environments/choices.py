@@ -2,7 +2,7 @@
 
 import json
 import reprlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +23,20 @@ class UnknownArgumentError(UserError, TypeError):
     """
 
 
-def check_known(arguments: Iterable[str], known: Sequence[str]) -> None:
+BATCHES = "num_envs", "autoreset_mode", "copy", "threads"  # arguments of `ForagingVectorEnv` alone
+
+
+def check_known(arguments: Mapping[str, object], known: Sequence[str]) -> None:
     """Refuse an argument that is not known.
 
     Raises `UnknownArgumentError` naming the first of them, and the nearest that is known.
     """
-    for name in arguments:
+    for name, value in arguments.items():
+        if name in BATCHES:
+            raise UnknownArgumentError(
+                f"{name} = {value!r}: is of batches, not of one environment; leave it out, or give "
+                'it to make_vec("mjforage/Foraging-v0", ...) without vectorization_mode'
+            )
         if name not in known:
             raise UnknownArgumentError(
                 f"an environment got an unexpected keyword argument {name!r}; "

@@ -12,21 +12,13 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import encoder_label
 from mjforage.learning.environments.checks import check_mode
-from mjforage.learning.environments.choices import (
-    Overrides,
-    UnknownArgumentError,
-    check_known,
-    chosen_setup,
-)
+from mjforage.learning.environments.choices import Overrides, check_known, chosen_setup
 from mjforage.learning.environments.rewards import reward_weights
 from mjforage.learning.environments.spaces import DTYPES
 from mjforage.mission.setup import Setup
 from mjforage.physics.run_warnings import run_warnings
 from mjforage.physics.worlds import WORLDS
 from mjforage.scenario.scenario import Scenario
-
-BATCHES = "num_envs", "autoreset_mode", "copy", "threads"
-"""Arguments of `ForagingVectorEnv` alone."""
 
 
 class EnvironmentArguments(TypedDict, total=False):
@@ -87,13 +79,7 @@ class EnvironmentOptions:
 
     @classmethod
     def of(cls, arguments: Mapping[str, Any]) -> "EnvironmentOptions":
-        """Options from keyword arguments; raises as the class, and for arguments of others."""
-        for name, value in arguments.items():
-            if name in BATCHES:
-                raise UnknownArgumentError(
-                    f"{name} = {value!r}: is of batches, not of one environment; leave it out, or "
-                    'give it to make_vec("mjforage/Foraging-v0", ...) without vectorization_mode'
-                )
+        """Options from keyword arguments; raises as the class, and for unknown arguments."""
         known = [each.name for each in fields(cls) if each.init]
         check_known(arguments, known)
         return cls(**arguments)
