@@ -124,12 +124,6 @@ class KernelCache:
         except OSError as error:
             _say_once(str(folder or "~/.cache/mjforage"), error.strerror or str(error))
 
-    def enable(self) -> None:
-        """Numba's switch, which it never uses on a kernel that was just made."""
-
-    def disable(self) -> None:
-        """See `enable`."""
-
     def flush(self) -> None:
         """Other contents have other names: nothing is ever out of date."""
 

@@ -157,7 +157,8 @@ class MujocoDynamics:
         self._period = PeriodRecord.of(initial.agent_node.shape)
         self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
         self._tick = np.zeros(episodes, np.int64)
-        self._wind_rc, self._room_left = initial.drift_rc, self._capacity(episodes)
+        self._room_left = np.tile(self._fleet.capacity, (episodes, 1))
+        self._wind_rc = initial.drift_rc
         self._state = start_state(initial, self._centres)
         self._attempts, self._tracks = self._no_attempts(initial), self._no_tracks(initial)
         self._begin(keys)
@@ -197,9 +198,6 @@ class MujocoDynamics:
             self._room_left = self._rule.room_left
         self._place(rows, initial, keys)
         return self._state
-
-    def _capacity(self, episodes: int) -> NDArray[np.int64]:
-        return np.tile(self._fleet.capacity, (episodes, 1))
 
     def _no_attempts(self, initial: InitialState) -> Attempts:
         return Attempts.of(len(self._fleet), initial.item_node)
