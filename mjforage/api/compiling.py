@@ -16,7 +16,7 @@ from mjforage.learning.environments.rewards import PRESETS
 SCENARIOS = "comb-port", "comb-port-weather", "comb-port-radio", "channels"
 POLICIES = "greedy", "belief"
 WORLDS = "graph", "physics"
-DECISIONS = 6
+DECISIONS = 30  # of an episode: some kernels are first used late in it
 ENCODINGS = "egocentric", "paper"
 TRAINING = {"num_envs": 2, "capacity": 1000, "batch": 4, "warmup": 4, "evaluate_episodes": 1}
 

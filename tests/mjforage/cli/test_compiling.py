@@ -18,8 +18,9 @@ TINY = {"num_envs": 2, "capacity": 1000, "batch": 4, "warmup": 4, "evaluate_epis
 def main():
     folder = tempfile.mkdtemp()
     worlds = ["graph", "physics"]
-    about = {"episodes": 2, "world": worlds, "horizon": 7, "progress": False}
-    run = mf.evaluate("open-bay", list(mf.names("policies")), **about)
+    policies, about = list(mf.names("policies")), {"episodes": 2, "progress": False}
+    mf.evaluate("open-bay", policies, **about)
+    run = mf.evaluate("open-bay", policies, world=worlds, horizon=7, **about)
     run.report(folder + "/report.html")
     for world in worlds:
         run.film(f"{folder}/{world}.mp4", "greedy", world=world, duration_s=1.0, progress=False)
