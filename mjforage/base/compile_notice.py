@@ -27,8 +27,8 @@ def say_compiling(folder: Path | None) -> None:
     os.environ[SAID] = "1"
     kept = f"they are kept in {folder}" if folder is not None else "they are not kept"
     line = (
-        "mjforage compiles its kernels for this processor, which takes up to a minute the first "
-        f"time; {kept}; `mjforage compile` does it beforehand"
+        "mjforage compiles its kernels for this processor, which takes up to two minutes the "
+        f"first time; {kept}; `mjforage compile` does it beforehand"
     )
     if _is_read(logging.INFO):
         _log.info("%s", line)
