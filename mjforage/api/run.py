@@ -209,6 +209,35 @@ class Run(Pictures):
         with write_errors(target):
             return Path(shutil.copytree(self._folder, target))
 
+    def export(
+        self,
+        folder: Named,
+        to: str,
+        *,
+        policy: str | None = None,
+        world: str | None = None,
+        episode: int = 0,
+    ) -> Path:
+        """Write an episode in a format of other programs.
+
+        Parameters
+        ----------
+        folder, to : as of `Scenario.export`; the scene has a keyframe per decision, and
+            `tracks.csv` beside it every recorded pose
+        policy, world : of the run; by default its first
+
+        Raises
+        ------
+        UserError
+            As `Scenario.export`, and as `film` if the run has no such episode.
+        """
+        from mjforage.runs.exporting import check_export, write_export
+
+        target, to = checks.path("folder", folder), checks.text("to", to)
+        check_export(target, to)
+        shown = self.recording(policy, world=world, episode=episode)
+        return write_export(self.scenario, shown, target, to)
+
     def _table(self, name: str) -> pl.DataFrame:
         if not (self._folder / "run.json").is_file():
             raise UserError(f"{self._folder}: the run folder is gone; load or make the run again")

@@ -228,6 +228,29 @@ class Scenario(Setup):
             beside.write_text(tomli_w.dumps(tree), encoding="utf-8")
         return target
 
+    def export(self, folder: Named, to: str, *, seed: int = 0, episode: int = 0) -> Path:
+        """Write the start of an episode in a format of other programs.
+
+        Parameters
+        ----------
+        folder : empty or not there yet
+        to : "mjcf": a scene that opens in MuJoCo without mjforage, with a README of the forces
+            that are not in it
+        seed, episode : as of `Mission.reset`
+
+        Raises
+        ------
+        UserError
+            If there is no such format, the folder holds something, or a vessel does not fit.
+        """
+        from mjforage.runs.exporting import check_export, write_export
+        from mjforage.runs.recording import record
+
+        target, to = checks.path("folder", folder), checks.text("to", to)
+        which = checks.whole("seed", seed, 0, 2**64 - 1), checks.whole("episode", episode, 0)
+        check_export(target, to)
+        return write_export(self, record(self, "graph", None, *which), target, to)
+
     def __repr__(self) -> str:
         rows, columns = self.grid.navigable.shape
         settings = self.scenario

@@ -4,6 +4,7 @@ from mjforage.cli import (
     compiling,  # noqa: F401
     completing,  # noqa: F401
     drawing,  # noqa: F401
+    exporting,  # noqa: F401
     hulls,  # noqa: F401
     lists,  # noqa: F401
     run_folders,  # noqa: F401

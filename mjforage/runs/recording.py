@@ -43,7 +43,7 @@ class _Recorder(Observer):
 def record(
     setup: Setup,
     world: str,
-    policy: str,
+    policy: str | None,
     seed: int,
     episode: int,
 ) -> Recording:
@@ -52,7 +52,7 @@ def record(
     Parameters
     ----------
     setup : scenario and map
-    world, policy : names
+    world, policy : names; without a policy nothing is played, and the start alone is kept
     seed, episode : seed of the run, number of the episode
 
     Raises
@@ -64,7 +64,12 @@ def record(
     mission = create_mission(setup, world, trajectory)
     mission.reset(seed, np.array([episode], np.int64))
     by_agent = KnowledgeRecorder() if mission.exchange.link_log is not None else None
-    mission.run(create_policy(policy), (recorder, *((by_agent,) if by_agent else ())))
+    observers = (recorder, *((by_agent,) if by_agent else ()))
+    if policy is None:
+        for observer in observers:
+            observer.see(mission)
+    else:
+        mission.run(create_policy(policy), observers)
     choice, frames = setup.scenario.physics, trajectory.frames
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Recording(
@@ -89,7 +94,7 @@ def record(
         track_present=frames.present,
         track_wind=frames.wind,
         world=world,
-        policy=policy,
+        policy=policy or "",
         seed=seed,
         episode=episode,
         t_discovered=mission.ledger.t_discovered[0],

@@ -87,21 +87,40 @@ def build_scene(
         check_passages(vessels, navigable, pitch_m)
     classes = load_debris()
     labels = tuple(f"{v.name}_{i}" for i, v in enumerate(vessels)) if names is None else names
-    spec = shipped_part("scene")
-    _add_numerics(spec, vessels, items, classes)
-    parts = {vessel.name: hull_part(vessel) for vessel in vessels}
-    for vessel, label in zip(vessels, labels, strict=True):
-        add_vessel(spec, vessel, label, parts[vessel.name], looks=looks is not None)
-    if items:
-        seen = (None,) * items if looks is None else (classes[k].name for k in looks)
-        add_items(spec, shipped_part("debris"), list(seen))
-    if navigable is not None:
-        add_quays(spec, navigable, pitch_m)
+    seen = (None,) * items if looks is None else tuple(classes[k].name for k in looks)
+    spec = scene_spec(vessels, labels, navigable, pitch_m, seen, looks=looks is not None)
     model = compiled(spec, "scene")
     _check_layout(model, len(vessels), items)
     land = np.zeros((0, 0), np.bool_) if navigable is None else Chart(navigable, pitch_m).land
     parking = parking_xy(items)
     return Scene(model, tuple(vessels), tuple(labels), items, classes, parking, land, pitch_m)
+
+
+def scene_spec(
+    vessels: Sequence[Vessel],
+    labels: Sequence[str],
+    navigable: NDArray[np.bool_] | None,
+    pitch_m: float,
+    seen: Sequence[str | None],
+    *,
+    looks: bool,
+) -> mujoco.MjSpec:
+    """A scene before MuJoCo compiles it; parameters as of `build_scene`.
+
+    Parameters
+    ----------
+    seen : of each item, the class that it looks like, or None
+    """
+    spec = shipped_part("scene")
+    _add_numerics(spec, vessels, len(seen), load_debris())
+    parts = {vessel.name: hull_part(vessel) for vessel in vessels}
+    for vessel, label in zip(vessels, labels, strict=True):
+        add_vessel(spec, vessel, label, parts[vessel.name], looks=looks)
+    if seen:
+        add_items(spec, shipped_part("debris"), list(seen))
+    if navigable is not None:
+        add_quays(spec, navigable, pitch_m)
+    return spec
 
 
 @lru_cache(maxsize=8)

@@ -88,6 +88,7 @@ def add_items(spec: mujoco.MjSpec, part: mujoco.MjSpec, looks: list[str | None])
 def _with_look(part: mujoco.MjSpec, look: str | None) -> mujoco.MjSpec:
     """The part with what one class looks like alone: what is deleted later costs a whole scene."""
     bare = part.copy()
+    bare.geom("collider").mass = math.nan  # of MuJoCo's density: the softness of contacts is set so
     for geom in list(bare.body("item").geoms):
         seen = look is not None and geom.name.startswith(look)
         if geom.classname.name == "item-look" and not seen:

@@ -10,8 +10,11 @@ LEAST_OFFSET_M = 1e-6  # a centre of gravity exactly at midships would keep only
 
 
 def hull_part(vessel: Vessel) -> mujoco.MjSpec:
-    """MJCF part of a vessel: the shipped one of its name, or an Otter's."""
-    return shipped_part(vessel.name if vessel.name in LOOKS else "otter")
+    """MJCF part of a vessel without its motors: the shipped one of its name, or an Otter's."""
+    part = shipped_part(vessel.name if vessel.name in LOOKS else "otter")
+    for motor in list(part.actuators):
+        part.delete(motor)
+    return part
 
 
 def add_vessel(

@@ -87,3 +87,8 @@ def test_scenes_that_cannot_be_built_are_named() -> None:
 def test_a_vessel_without_a_part_of_its_own_borrows_looks() -> None:
     own = dataclasses.replace(SCOUT, name="mine")
     assert build_scene([own]).model.geom("mine_0/collider").size[0] == 0.5 * SCOUT.length_m
+
+
+def test_the_softness_of_item_contacts_is_of_the_default_density(model: mujoco.MjModel) -> None:
+    mass = 1000.0 * 4.0 / 3.0 * np.pi * 0.1**3  # [kg] of the collider's sphere
+    assert model.body("item-3/item").mass[0] == pytest.approx(mass, rel=1e-12)

@@ -1,0 +1,43 @@
+"""Episodes in the formats of other programs, by name."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from mjforage.base.atomic_files import write_bytes, write_errors
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
+from mjforage.mission.setup import Setup
+from mjforage.runs.episode_recording import Recording
+from mjforage.runs.exporting.mjcf import mjcf_files
+
+FORMATS: Mapping[str, Callable[[Setup, Recording], dict[str, bytes]]] = {"mjcf": mjcf_files}
+"""Name -> files, by their names, of an episode; of a scenario the episode has its start alone."""
+
+
+def check_export(folder: Path, to: str) -> None:
+    """Check format and folder, before anything is played.
+
+    Raises
+    ------
+    UserError
+        If there is no such format, or the folder holds something.
+    """
+    if to not in FORMATS:
+        raise UserError(f"format {to}: unknown; {nearest(to, FORMATS)}")
+    with write_errors(folder):
+        if folder.exists() and any(folder.iterdir()):
+            raise UserError(f"folder {folder}: is not empty; name another")
+
+
+def write_export(setup: Setup, recording: Recording, folder: Path, to: str) -> Path:
+    """Write an episode into a folder that is empty or not there yet.
+
+    Raises
+    ------
+    UserError
+        As `check_export`; if the scenario does not fit the format, or a file cannot be written.
+    """
+    check_export(folder, to)
+    for name, content in FORMATS[to](setup, recording).items():
+        write_bytes(folder / name, content)
+    return folder
