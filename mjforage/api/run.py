@@ -231,12 +231,11 @@ class Run(Pictures):
         UserError
             As `Scenario.export`, and as `film` if the run has no such episode.
         """
-        from mjforage.runs.exporting import check_export, write_export
+        from mjforage.runs.exporting import write_export
 
-        target, to = checks.path("folder", folder), checks.text("to", to)
-        check_export(target, to)
-        shown = self.recording(policy, world=world, episode=episode)
-        return write_export(self.scenario, shown, target, to)
+        where = checks.path("folder", folder), checks.text("to", to)
+        which: dict[str, Any] = {"world": world, "episode": episode}
+        return write_export(self.scenario, lambda: self.recording(policy, **which), *where)
 
     def _table(self, name: str) -> pl.DataFrame:
         if not (self._folder / "run.json").is_file():

@@ -243,13 +243,12 @@ class Scenario(Setup):
         UserError
             If there is no such format, the folder holds something, or a vessel does not fit.
         """
-        from mjforage.runs.exporting import check_export, write_export
+        from mjforage.runs.exporting import write_export
         from mjforage.runs.recording import record
 
-        target, to = checks.path("folder", folder), checks.text("to", to)
         which = checks.whole("seed", seed, 0, 2**64 - 1), checks.whole("episode", episode, 0)
-        check_export(target, to)
-        return write_export(self, record(self, "graph", None, *which), target, to)
+        where = checks.path("folder", folder), checks.text("to", to)
+        return write_export(self, lambda: record(self, "graph", None, *which), *where)
 
     def __repr__(self) -> str:
         rows, columns = self.grid.navigable.shape

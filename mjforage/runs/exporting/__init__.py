@@ -14,30 +14,20 @@ FORMATS: Mapping[str, Callable[[Setup, Recording], dict[str, bytes]]] = {"mjcf":
 """Name -> files, by their names, of an episode; of a scenario the episode has its start alone."""
 
 
-def check_export(folder: Path, to: str) -> None:
-    """Check format and folder, before anything is played.
+def write_export(setup: Setup, shown: Callable[[], Recording], folder: Path, to: str) -> Path:
+    """Write an episode into a folder that is empty or not there yet; before it is played, check.
 
     Raises
     ------
     UserError
-        If there is no such format, or the folder holds something.
+        If there is no such format, the folder holds something, the scenario does not fit the
+        format, or a file cannot be written.
     """
     if to not in FORMATS:
         raise UserError(f"format {to}: unknown; {nearest(to, FORMATS)}")
     with write_errors(folder):
         if folder.exists() and any(folder.iterdir()):
             raise UserError(f"folder {folder}: is not empty; name another")
-
-
-def write_export(setup: Setup, recording: Recording, folder: Path, to: str) -> Path:
-    """Write an episode into a folder that is empty or not there yet.
-
-    Raises
-    ------
-    UserError
-        As `check_export`; if the scenario does not fit the format, or a file cannot be written.
-    """
-    check_export(folder, to)
-    for name, content in FORMATS[to](setup, recording).items():
+    for name, content in FORMATS[to](setup, shown()).items():
         write_bytes(folder / name, content)
     return folder

@@ -16,8 +16,8 @@ from mjforage.physics.vessels import Vessel
 from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.schema import rows
 
-_ADDED = ("added_", "linear_", "quadratic_", "yaw_", "lag_", "thruster.", "crossflow.", "windage.")
-_LOAD = ("load.",)
+_BODY = ("added_", "linear_", "quadratic_", "yaw_", "lag_")
+_TABLES = ("thruster.", "crossflow.", "windage.", "load.")
 _TEXT = """\
 # Scenario {name} in MuJoCo
 
@@ -41,13 +41,8 @@ mujoco.mj_step(model, data)
 Units are SI. World axes are x east, y north, z up; yaw is 0 at east, counter-clockwise. Positions
 are those of midships. `qpos` is x, y, yaw of each vessel, then x, y of each item. An item that is
 not on the water lies in a row beyond the south-west corner. Keyframes hold positions, not
-velocities. Before a keyframe is taken, bodies stand at the first one's places, headed east. Numbers
-in `scene.xml` have six digits.
-
-Each vessel NAME has the body `NAME/hull` with its mass and yaw inertia, and the motors `NAME/port`
-and `NAME/starboard`, whose control is the thrust [N] at sites of the same names.
-
-## Step and integrator
+velocities. Numbers in `scene.xml` have six digits. Each vessel NAME has the body `NAME/hull` and
+the motors `NAME/port` and `NAME/starboard`. Their control is the thrust [N].
 
 `scene.xml` has RK4 with steps of {reference_s:g} s, as mjforage's integrator `reference`. The
 scenario itself is stepped with `{integrator}`, in steps of {step_s:g} s; `fast` is Euler with
@@ -55,13 +50,12 @@ forces that are averaged over the step.
 
 ## Forces that are not in the scene
 
-mjforage adds these in a passive callback. Without them nothing slows a vessel or an item but
-contacts. u, v are the velocity of midships relative to the water, ahead and to port, and r is the
-yaw rate; X, Y act ahead and to port, N counter-clockwise. The callback turns them into world axes.
+mjforage adds these in a passive callback. Without them, only contacts slow a vessel or an item.
+u, v are the velocity of midships relative to the water, ahead and to port, and r is the yaw rate;
+X, Y act ahead and to port, N counter-clockwise. The callback turns them into world axes.
 
-- **Added mass**: diag(added_mass_surge, added_mass_sway), turned by the yaw, and added_mass_yaw
-  join the mass matrix. With d = added_mass_sway - added_mass_surge: X = d v r, Y = d u r,
-  N = -d u v.
+- **Added mass** joins the mass matrix: surge and sway, turned by the yaw, and yaw. With d = sway -
+  surge: X = d v r, Y = d u r, N = -d u v.
 - **Damping**: X = -(linear_surge + quadratic_surge |u|) u, Y the same with v,
   N = -(linear_yaw (1 + yaw_linear_growth |r|) + quadratic_yaw |r|) r.
 - **Cross-flow**: Y = -1/2 rho Cd T times the integral of |v + x r| (v + x r) over the length x, N
@@ -71,9 +65,7 @@ yaw rate; X, Y act ahead and to port, N counter-clockwise. The callback turns th
   first-order lag of the command. The motors here give their force at once.
 - **Load**: each item aboard adds mass at midships and quadratic drag ahead.
 - **Items**: 1/2 rho C A |w| w of the air ({air:g} kg/m3) and the water ({water:g} kg/m3) that pass
-  at w; added_mass joins the mass.
-
-mjforage takes the softness of an item's contacts from MuJoCo's default density, not from its mass.
+  at w; added mass. Their contacts are as soft as for MuJoCo's default density, not for their mass.
 
 {vessels}
 {items}"""
@@ -98,7 +90,7 @@ def readme(setup: Setup, recording: Recording, vessels: Sequence[Vessel]) -> str
         step_s=choice.step_s or integrator.step_s,
         air=AIR_DENSITY_KGPM3,
         water=WATER_DENSITY_KGPM3,
-        vessels=_table(Vessel, {one.name: one for one in vessels}, (*_ADDED, *_LOAD)),
+        vessels=_table(Vessel, {one.name: one for one in vessels}, _BODY + _TABLES),
         items=_table(DebrisClass, {one.name: one for one in kinds}, ("added_", "area_", "drag_")),
     )
 

@@ -1,19 +1,19 @@
 """An episode as a MuJoCo scene that opens without mjforage, with its tracks and a README."""
 
+import mujoco
 import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import fleet_vessels
-from mjforage.physics.scene import parking_xy
+from mjforage.physics.scene import load_debris, parking_xy
+from mjforage.physics.scene.build import check_passages, scene_spec
 from mjforage.physics.scene.mjcf import compiled
-from mjforage.physics.scene.plain import plain_spec
 from mjforage.physics.simulation import Integrator
+from mjforage.physics.vessels import Vessel
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.exporting.callback_forces import readme
-
-Floats = NDArray[np.float64]
 
 
 def mjcf_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
@@ -24,25 +24,26 @@ def mjcf_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
     UserError
         If a vessel cannot turn in the narrowest passage, or no body can have its parameters.
     """
-    names, vessels = recording.labels, fleet_vessels(setup.fleet, setup.scenario.physics)
-    classes = np.maximum(recording.item_class, 0).tolist()
-    frames = _positions(recording)
-    spec = plain_spec(vessels, names, setup.grid.navigable, recording.pitch_m, classes, frames[0])
-    spec.modelname = setup.scenario.name
-    spec.option.timestep = Integrator.REFERENCE.step_s
-    every = round(recording.period_s / recording.frame_s)
-    for decision, place in enumerate(frames[::every]):
-        time_s = decision * recording.period_s
-        spec.add_key(name=f"decision-{decision}", time=time_s, qpos=place)
+    vessels = fleet_vessels(setup.fleet, setup.scenario.physics)
+    frames, spec = _positions(recording), _plain_scene(setup, recording, vessels)
+    for joint, place in zip(spec.joints, frames[0], strict=True):
+        if joint.type == mujoco.mjtJoint.mjJNT_SLIDE:  # there at once, its coordinate the world's
+            joint.ref, joint.parent.pos = place, joint.parent.pos + place * joint.axis
+    for k, place in enumerate(frames[:: round(recording.period_s / recording.frame_s)]):
+        spec.add_key(name=f"decision-{k}", time=k * recording.period_s, qpos=place)
     compiled(spec, f"scenario {setup.scenario.name}")
+    rows = pl.DataFrame(recording.track_pose.reshape(-1, 3), ["x_m", "y_m", "yaw_rad"])
+    times = recording.frame_s * np.arange(len(frames))
+    when = pl.Series("t_s", times.repeat(len(vessels)))
+    who = pl.Series("vessel", [*recording.labels] * len(frames))
     return {
         "scene.xml": spec.to_xml().encode(),
-        "tracks.csv": _tracks(recording).write_csv().encode(),
+        "tracks.csv": rows.select(when, who, pl.all()).write_csv().encode(),
         "README.md": readme(setup, recording, vessels).encode(),
     }
 
 
-def _positions(recording: Recording) -> Floats:
+def _positions(recording: Recording) -> NDArray[np.float64]:
     """(frame, dof) of the scene; an item that is not on the water lies at its parking place."""
     there = recording.track_present[..., None]
     items = np.where(there, recording.track_items, parking_xy(len(recording.item_class)))
@@ -50,10 +51,24 @@ def _positions(recording: Recording) -> Floats:
     return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)
 
 
-def _tracks(recording: Recording) -> pl.DataFrame:
-    """A row per frame and vessel."""
-    frames, agents = recording.track_pose.shape[:2]
-    x, y, yaw = recording.track_pose.reshape(-1, 3).T
-    times = np.repeat(recording.frame_s * np.arange(frames), agents)
-    names = [*recording.labels] * frames
-    return pl.DataFrame({"t_s": times, "vessel": names, "x_m": x, "y_m": y, "yaw_rad": yaw})
+def _plain_scene(setup: Setup, recording: Recording, vessels: tuple[Vessel, ...]) -> mujoco.MjSpec:
+    """The scene without the callback's numbers: motors in newtons, items of their own mass."""
+    known, about = load_debris(), (setup.grid.navigable, recording.pitch_m)
+    kinds = [known[k] for k in np.maximum(recording.item_class, 0)]
+    check_passages(vessels, *about)
+    seen = [kind.name for kind in kinds]
+    spec = scene_spec(vessels, recording.labels, *about, seen, looks=True)
+    for numeric in list(spec.numerics):  # by these the callback would know the scene
+        spec.delete(numeric)
+    spec.modelname, spec.nuserdata = setup.scenario.name, 0
+    spec.option.timestep = Integrator.REFERENCE.step_s
+    for vessel, name in zip(vessels, recording.labels, strict=True):
+        for side, way in (("port", 1.0), ("starboard", -1.0)):
+            site, motor = spec.site(f"{name}/{side}"), spec.actuator(f"{name}/{side}")
+            site.pos = [site.pos[0], way * vessel.lever_m, site.pos[2]]
+            motor.set_to_motor()
+            motor.trntype, motor.target = mujoco.mjtTrn.mjTRN_SITE, site.name
+            motor.ctrlrange = vessel.thruster.thrust_range
+    for k, kind in enumerate(kinds):
+        spec.geom(f"item-{k}/collider").mass = kind.mass_kg
+    return spec

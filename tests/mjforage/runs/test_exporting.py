@@ -174,7 +174,7 @@ def test_items_that_are_gone_lie_apart(port: mf.Scenario, tmp_path: Path) -> Non
     gone = shown.track_present.copy()
     gone[-1, 3] = False
     folder = tmp_path / "gone"
-    write_export(port, dataclasses.replace(shown, track_present=gone), folder, "mjcf")
+    write_export(port, lambda: dataclasses.replace(shown, track_present=gone), folder, "mjcf")
     keys = np.array(opened(folder)["key_qpos"])[:, 3 * len(port.fleet) :].reshape(5, -1, 2)
     assert (keys[:4, 3] > -4.0).all()
     assert (keys[4, 3] < -40.0).all()
