@@ -59,7 +59,8 @@ def impact(spec: Spec, runs: Runs) -> Cell:
     """Fastest approach to a touch of a quay or hull [m/s]."""
     keys = ("world", "policy", "episode", "impact_mps")
     file = runs[spec["run"]].folder / "agents.parquet"
-    rows = read_parquet(file, keys, pl.col("world") == spec["world"])
+    wanted = (pl.col("world") == spec["world"]) & (pl.col("policy") == spec["policy"])
+    rows = read_parquet(file, keys, wanted)
     return defined(mean=rows["impact_mps"].max())  # type: ignore[arg-type]
 
 
