@@ -7,8 +7,7 @@ they name a source.
 """
 
 from mjforage.controllers.chart import Chart
-from mjforage.controllers.navigation import Navigator
 from mjforage.controllers.pilot import Pilot
 from mjforage.controllers.vessel_model import Tuning, VesselModel
 
-__all__ = ["Chart", "Navigator", "Pilot", "Tuning", "VesselModel"]
+__all__ = ["Chart", "Pilot", "Tuning", "VesselModel"]

@@ -8,23 +8,17 @@ the fixes show against the one that log and compass show tells the compass's err
 """
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.controllers.allocation import thrust_of
 from mjforage.controllers.angles import wrapped
 from mjforage.controllers.estimate import surge_after, sway_after
-from mjforage.controllers.vessel_model import (
-    MODEL,
-    FloatArray,
-    ModelArray,
-    ModelRecord,
-    VesselModel,
-    packed,
-)
+from mjforage.controllers.state import FleetArray
+from mjforage.controllers.vessel_model import FloatArray, ModelArray, ModelRecord
 
 X, Y, YAW, OFF_X, OFF_Y, TURN = range(6)  # states; the last three are errors of fix and compass
 STATES = 6
@@ -57,7 +51,6 @@ class Filters(NamedTuple):
     ticks: NDArray[np.int64]  # (episode, vessel) measurements so far
     pose: FloatArray  # (episode, vessel, 3) as of now [m], [rad]
     velocity: FloatArray  # (episode, vessel, 3) world axes [m/s], [rad/s]
-    margin: FloatArray  # (episode, vessel) to be kept free for what the position may be off [m]
     surprise: FloatArray  # (episode, vessel) normalised innovation squared of the tick
     measured: FloatArray  # (episode, vessel) measurements in that
 
@@ -65,8 +58,8 @@ class Filters(NamedTuple):
     def of(cls, episodes: int, vessels: int, latency: int) -> "Filters":
         """Filters before the first measurement."""
         n = (episodes, vessels)
-        shapes = ((STATES,), (STATES, STATES), (3,), (latency + 1, 2), (), (3,), (3,), (), (), ())
-        kinds = ("d", "d", "d", "d", "q", "d", "d", "d", "d", "d")
+        shapes = ((STATES,), (STATES, STATES), (3,), (latency + 1, 2), (), (3,), (3,), (), ())
+        kinds = ("d", "d", "d", "d", "q", "d", "d", "d", "d")
         return cls(*(np.zeros((*n, *s), k) for s, k in zip(shapes, kinds, strict=True)))
 
 
@@ -150,7 +143,7 @@ def spin_after(p: ModelRecord, rate: float, moment: float, step_s: float) -> flo
 
 @kernel
 def tell(f: Filters, p: ModelRecord, e: int, v: int, of: SensorErrors) -> None:
-    """Write pose and velocity as of now, and the margin.
+    """Write pose and velocity as of now.
 
     Since the measurements, a latency ago, the vessel has moved on as its model says under the
     thrusts of that time.
@@ -171,19 +164,18 @@ def tell(f: Filters, p: ModelRecord, e: int, v: int, of: SensorErrors) -> None:
     f.pose[e, v, 0], f.pose[e, v, 1], f.pose[e, v, 2] = x, y, yaw
     f.velocity[e, v, 0], f.velocity[e, v, 1] = c * ahead - s * aside, s * ahead + c * aside
     f.velocity[e, v, 2] = rate
-    f.margin[e, v] = MARGIN * deviation(f.covariance[e, v])
 
 
 @kernel
 def navigate(
     f: Filters,
     models: ModelArray,
+    state: FleetArray,
     of: SensorErrors,
     active: NDArray[np.bool_],
     pose: FloatArray,
     velocity: FloatArray,
     fix: NDArray[np.bool_],
-    thrust: FloatArray,
 ) -> None:
     """Take the measurements of a tick into the filters of the active episodes."""
     position, heading = max(of.position_m, LEAST_M), max(of.heading_rad, LEAST_RAD)
@@ -198,7 +190,9 @@ def navigate(
             log[0] = c * velocity[e, v, 0] + s * velocity[e, v, 1]
             log[1] = c * velocity[e, v, 1] - s * velocity[e, v, 0]
             log[2] = velocity[e, v, 2]
-            f.thrust[e, v, f.ticks[e, v] % (of.latency + 1)] = thrust[e, v]
+            slot = f.ticks[e, v] % (of.latency + 1)
+            f.thrust[e, v, slot, 0] = thrust_of(models[v], state[e, v].port)
+            f.thrust[e, v, slot, 1] = thrust_of(models[v], state[e, v].starboard)
             f.surprise[e, v] = f.measured[e, v] = 0.0
             if f.ticks[e, v] == 0:
                 begin(x, p, seen, of)
@@ -211,19 +205,23 @@ def navigate(
                     f.surprise[e, v] += correct(x, p, Y, seen[1], position)
                     f.measured[e, v] = 3.0
             tell(f, models[v], e, v, of)
+            state[e, v].margin = MARGIN * deviation(p)
             f.ticks[e, v] += 1
 
 
 class Navigator:
     """The navigation filters of a batch of fleets."""
 
-    def __init__(self, errors: SensorErrors, models: Sequence[VesselModel], episodes: int) -> None:
-        """Take what the sensors are off by, and the models (vessel,) of the fleet."""
-        self.filters = Filters.of(episodes, len(models), errors.latency)
-        records = np.array([packed(model) for model in models], MODEL)
-        self._navigate = BoundKernel(navigate, self.filters, records, errors)
+    def __init__(self, errors: SensorErrors, models: ModelArray, state: FleetArray) -> None:
+        """Take the errors, the models (vessel,) and the pilot's memory (episode, vessel).
 
-    def reset(self, rows: NDArray[np.int64]) -> None:
+        Of that memory it reads the thrusters' state and writes the margin.
+        """
+        episodes, vessels = state.shape
+        self.filters = Filters.of(episodes, vessels, errors.latency)
+        self._navigate = BoundKernel(navigate, self.filters, models, state, errors)
+
+    def reset(self, rows: NDArray[Any] | slice) -> None:
         """Forget some episodes (row,)."""
         for each in self.filters:
             each[rows] = 0
@@ -234,16 +232,7 @@ class Navigator:
         pose: FloatArray,
         velocity: FloatArray,
         fix: NDArray[np.bool_],
-        thrust: FloatArray,
     ) -> Filters:
-        """Take in the measurements of a tick.
-
-        Parameters
-        ----------
-        active : (episode,) others keep what they had
-        pose, velocity : (episode, vessel, 3) measured; world axes [m], [rad], [m/s], [rad/s]
-        fix : (episode, vessel) whether the position is of a new fix
-        thrust : (episode, vessel, 2) of port and starboard since the last tick [N]
-        """
-        self._navigate(active, pose, velocity, fix, thrust)
+        """Take in the measurements of a tick, as of `Pilot.locate`."""
+        self._navigate(active, pose, velocity, fix)
         return self.filters

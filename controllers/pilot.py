@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.controllers.allocation import thrust_of
 from mjforage.controllers.chart import Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
 from mjforage.controllers.estimate import estimate
 from mjforage.controllers.getting_off import note_held
+from mjforage.controllers.navigation import Navigator, SensorErrors
 from mjforage.controllers.prediction import NEVER_S, SAMPLES
 from mjforage.controllers.quayside import note_quays
 from mjforage.controllers.safety import limit_speeds
@@ -94,18 +94,6 @@ def _command(
 
 
 @kernel
-def _thrust(fleets: FleetArrays) -> FloatArray:
-    """(episode, vessel, 2) see `Pilot.thrust`."""
-    state, models = fleets.state, fleets.models
-    result = np.empty((*state.shape, 2))
-    for e in range(state.shape[0]):
-        for v in range(models.shape[0]):
-            result[e, v, 0] = thrust_of(models[v], state[e, v].port)
-            result[e, v, 1] = thrust_of(models[v], state[e, v].starboard)
-    return result
-
-
-@kernel
 def _giving_way(state: FleetArray) -> NDArray[np.bool_]:
     """(episode, vessel) see `Pilot.giving_way`."""
     result = np.zeros(state.shape, np.bool_)
@@ -126,7 +114,7 @@ class Pilot:
         chart: Chart | None,
         episodes: int,
         control_s: float = 0.1,
-        filtered: bool = False,
+        errors: SensorErrors | None = None,
     ) -> None:
         """Take the models.
 
@@ -136,7 +124,7 @@ class Pilot:
         chart : quays; None is open water
         episodes : size of the batch
         control_s : time between two calls of `command` [s]
-        filtered : True if poses come from a filter and are taken as they are
+        errors : of the sensors, for a filter; None for dead reckoning drawn to the fixes
         """
         count = len(models)
         self._step_s = float(control_s)
@@ -149,11 +137,12 @@ class Pilot:
             paths=np.zeros((count + 1, SAMPLES, 4)),
             met=np.zeros((count, count)),
         )
-        if filtered:
-            self._fleets.models["filter_s"] = 0.0
+        self._navigator = None
+        if errors is not None:
+            self._fleets.models["filter_s"] = 0.0  # what is filtered is taken as it is
+            self._navigator = Navigator(errors, self._fleets.models, self._fleets.state)
         self._commands = np.zeros((episodes, count, 2))
         self._command = BoundKernel(_command, self._fleets, self._step_s, self._commands)
-        self._thrust = BoundKernel(_thrust, self._fleets)
         self._giving_way = BoundKernel(_giving_way, self._fleets.state)
         self.reset()
 
@@ -162,6 +151,8 @@ class Pilot:
         which = slice(None) if ids is None else ids
         self._fleets.state[which] = idle_state()
         self._fleets.ticks[which], self._commands[which] = 0, 0.0
+        if self._navigator is not None:
+            self._navigator.reset(which)
 
     def order(
         self,
@@ -203,15 +194,29 @@ class Pilot:
         """
         self._fleets.state["next_x"], self._fleets.state["next_y"] = xy[..., 0], xy[..., 1]
 
-    def keep_margin(self, margin: FloatArray | float) -> None:
-        """Say how far from obstacles vessels (episode, vessel) must stay for what positions may be
-        off [m].
-        """
-        self._fleets.state["margin"] = margin
-
     def look_round(self, which: NDArray[np.bool_]) -> None:
         """Let some vessels (episode, vessel) turn on the spot where they keep position."""
         self._fleets.state["looks"] = which
+
+    def locate(
+        self,
+        active: NDArray[np.bool_],
+        pose: FloatArray,
+        velocity: FloatArray,
+        fix: NDArray[np.bool_],
+    ) -> tuple[FloatArray, FloatArray]:
+        """Poses and velocities for `command`: estimated from measurements, or those themselves.
+
+        Parameters
+        ----------
+        active : (episode,) others keep what they had
+        pose, velocity : as of `command`, measured
+        fix : (episode, vessel) whether the position is of a new fix
+        """
+        if self._navigator is None:
+            return pose, velocity
+        told = self._navigator.update(active, pose, velocity, fix)
+        return told.pose, told.velocity
 
     def command(
         self, active: NDArray[np.bool_], pose: FloatArray, velocity: FloatArray
@@ -235,11 +240,6 @@ class Pilot:
             np.ascontiguousarray(velocity, np.float64),
         )
         return self._commands
-
-    @property
-    def thrust(self) -> FloatArray:
-        """(episode, vessel, 2) thrust of port and starboard as the pilot knows it [N]."""
-        return self._thrust()
 
     @property
     def giving_way(self) -> NDArray[np.bool_]:

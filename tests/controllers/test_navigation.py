@@ -7,13 +7,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from mjforage.controllers.allocation import command_for
 from mjforage.controllers.navigation import MARGIN, Navigator, SensorErrors
-from mjforage.controllers.vessel_model import VesselModel
-from mjforage.physics.vessel_models import vessel_model
-from mjforage.physics.vessels import load_vessel
+from mjforage.controllers.state import STATE
+from tests.controllers.plant import SCOUT
 
 FloatArray = NDArray[np.float64]
-MODELS: list[VesselModel] = [vessel_model(load_vessel("scout"))]
+MODELS = np.array([SCOUT])
 T = 0.1
 ERRORS = SensorErrors(0.05, 0.5, 30.0, 0.05, np.radians(1.0), np.radians(5.0), 0, T)
 
@@ -62,13 +62,13 @@ def track(errors: SensorErrors, ticks: int, episodes: int, outage: slice = slice
 def filtered(errors: SensorErrors, run: Run) -> list[dict[str, FloatArray]]:
     """What the filters tell at every tick, (episode, ...)."""
     ticks, episodes = run.fix.shape
-    navigator = Navigator(errors, MODELS, episodes)
-    active, thrust = np.ones(episodes, np.bool_), np.zeros((episodes, 1, 2))
+    state, active = np.zeros((episodes, 1), STATE), np.ones(episodes, np.bool_)
+    navigator = Navigator(errors, MODELS, state)
     found = []
     for k in range(ticks):
         now = run.seen[k][:, None], run.velocity[k][:, None], run.fix[k][:, None]
-        told = navigator.update(active, *now, thrust)
-        found.append({name: getattr(told, name)[:, 0].copy() for name in told._fields})
+        told = navigator.update(active, *now)._asdict() | {"margin": state["margin"]}
+        found.append({name: array[:, 0].copy() for name, array in told.items()})
     return found
 
 
@@ -166,22 +166,23 @@ def test_the_track_tells_what_the_compass_is_off() -> None:
 def test_a_latency_is_made_up_by_the_model() -> None:
     """A vessel at rest 0.4 s ago is where its model has it under the thrusts since, in order."""
     errors = SensorErrors(0.0, 0.0, 60.0, 0.0, 0.0, 0.0, 4, T)
-    navigator, active = Navigator(errors, MODELS, 1), np.ones(1, np.bool_)
+    state, active = np.zeros((1, 1), STATE), np.ones(1, np.bool_)
+    navigator = Navigator(errors, MODELS, state)
     at, still, fix = np.zeros((1, 1, 3)), np.zeros((1, 1, 3)), np.ones((1, 1), np.bool_)
-    thrust = np.full((1, 1, 2), 20.0)
     forces = (9.0, 0.0, 0.0, 40.0, 20.0)
     for force in (0.0, 0.0, *forces):
-        told = navigator.update(active, at, still, fix, np.full((1, 1, 2), 0.5 * force))
-    p, x, u = MODELS[0], 0.0, 0.0
+        state["port"] = state["starboard"] = command_for(SCOUT, 0.5 * force)
+        told = navigator.update(active, at, still, fix)
+    p, x, u = SCOUT, 0.0, 0.0
     for force in forces[1:]:
         drag = p.linear_surge + p.quadratic_surge * u
         u = (p.mass_surge_kg * u + T * force) / (p.mass_surge_kg + T * drag)
         x += T * u
     assert told.velocity[0, 0] == pytest.approx([u, 0.0, 0.0])
     assert told.pose[0, 0] == pytest.approx([x, 0.0, 0.0])
-    thrust[..., 0] = -20.0  # turning to port on the spot
+    state["port"] = command_for(SCOUT, -10.0)  # turning to port on the spot
     for _ in range(4):
-        told = navigator.update(active, at, still, fix, thrust)
+        told = navigator.update(active, at, still, fix)
     assert told.pose[0, 0, 2] > 0.05 and told.velocity[0, 0, 2] > 0.2
     assert abs(told.velocity[0, 0, 0]) < 1e-12
 
@@ -194,10 +195,11 @@ def test_episodes_are_independent_and_forgotten_alone() -> None:
     )
     for name, array in alone[-1].items():
         assert (array[0] == whole[name][1]).all()
-    navigator, active = Navigator(ERRORS, MODELS, 3), np.array([True, True, False])
+    state, active = np.zeros((3, 1), STATE), np.array([True, True, False])
+    navigator = Navigator(ERRORS, MODELS, state)
     for k in range(5):
         now = run.seen[k][:, None], run.velocity[k][:, None], run.fix[k][:, None]
-        navigator.update(active, *now, np.zeros((3, 1, 2)))
+        navigator.update(active, *now)
     assert (navigator.filters.ticks[:, 0] == [5, 5, 0]).all()
     navigator.reset(np.array([0]))
     assert (navigator.filters.ticks[:, 0] == [0, 5, 0]).all()

@@ -14,7 +14,7 @@ from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all, scatter_rows
-from mjforage.controllers import Chart, Navigator, Pilot
+from mjforage.controllers import Chart, Pilot
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
@@ -69,7 +69,6 @@ class Known(NamedTuple):
     pose: NDArray[np.float64]  # [m], [rad]
     velocity: NDArray[np.float64]  # [m/s], [rad/s]
     seeking: NDArray[np.float64]  # pose from which items are chosen: exact without a filter
-    margin: NDArray[np.float64] | float = 0.0  # (episode, vessel) what a position may be off [m]
 
 
 class MujocoDynamics:
@@ -152,8 +151,7 @@ class MujocoDynamics:
         shape = initial.agent_node.shape
         self._positioning = create_positioning(self._scenario.sensors, shape, CONTROL_S)
         errors = self._positioning.errors
-        self._navigator = None if errors is None else Navigator(errors, self._models, shape[0])
-        self._pilot = Pilot(self._models, self._chart, episodes, CONTROL_S, errors is not None)
+        self._pilot = Pilot(self._models, self._chart, episodes, CONTROL_S, errors)
         self._period = PeriodRecord.of(initial.agent_node.shape)
         self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
         self._tick = np.zeros(episodes, np.int64)
@@ -183,8 +181,6 @@ class MujocoDynamics:
         self._simulation.restart(rows, names, initial.item_node.shape[1] if self._bodies else 0)
         self._pilot.reset(rows)
         self._positioning.reset(rows)
-        if self._navigator is not None:
-            self._navigator.reset(rows)
         self._period.forget(rows)
         self._tick[rows] = 0
         self._wind_rc = scatter_rows(self._wind_rc, rows, initial.drift_rc)
@@ -275,10 +271,8 @@ class MujocoDynamics:
         """Poses and velocities as the vessels know them: as measured, or as estimated from that."""
         now = self._motion
         seen = self._positioning.measure(self._keys, self._tick, now.pose, now.velocity)
-        if self._navigator is None:
-            return Known(seen.pose, seen.velocity, now.pose)
-        found = self._navigator.update(active, *seen, self._pilot.thrust)
-        return Known(found.pose, found.velocity, found.pose, found.margin)
+        pose, velocity = self._pilot.locate(active, *seen)
+        return Known(pose, velocity, now.pose if self._positioning.errors is None else pose)
 
     def _feel(self, active: NDArray[np.bool_]) -> None:
         """Give vessels and items the wind and the water of the moment."""
@@ -338,7 +332,6 @@ class MujocoDynamics:
     ) -> None:
         """One control tick from what the vessels know: command, step, take note."""
         simulation, before = self._simulation, self._motion
-        self._pilot.keep_margin(known.margin)
         simulation.commands[:] = self._pilot.command(active, known.pose, known.velocity)
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
         self._motion = self._measured()

@@ -30,7 +30,7 @@ def test_filters_are_consistent_and_touches_slow_in_a_mission(policy: str) -> No
 
     def locate(active: Any) -> Any:
         nonlocal surprise, measured
-        known, told = inner(active), dynamics._navigator.filters  # type: ignore[union-attr]
+        known, told = inner(active), dynamics._pilot._navigator.filters  # type: ignore[union-attr]
         surprise = surprise + told.surprise * active[:, None]
         measured = measured + told.measured * active[:, None]
         return known
