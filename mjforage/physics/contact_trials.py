@@ -22,7 +22,7 @@ SPEED_S = 60.0  # within which a hull reaches its top speed
 
 
 class Impact(NamedTuple):
-    """What the worst phase of a trial gives."""
+    """Figures of the worst phase of a trial."""
 
     speed_mps: float  # at which they close in
     depth_m: float  # deepest
