@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Annotated, Literal
 
-from mjforage.base.fields import Within, source
+from mjforage.base.fields import Above, Within, source
 from mjforage.scenario.bearings import Bearing
 from mjforage.scenario.prior import Prior
 from mjforage.scenario.roles import Role
@@ -109,6 +109,8 @@ class Weather:
     """Peak speed of a harbour circulation between the quays, positive counter-clockwise."""
 
 
+_ARCH = source("estimate: five abreast fill a mouth; silos clog up to 5, Zuriguel et al. (2005)")
+_MOUTH = source("estimate: a belt of 0.2 m/s, one item of 0.2 m after the other")
 _PAYLOADS = source("Heron bare, 28 of 36 kg; Otter with 45 kg of payload, 100 of 80 kg")
 _RULES = source("estimate; the Otter's are rules of thumb, 1.5 m sideways and 1.7 I in yaw")
 _SWAY = source("Heron, linear_sway: published 40 to 100, the file has 70")
@@ -150,6 +152,14 @@ class Physics:
     """`bodies`: wind and water move the items; `graph`: the rule of the graph world does."""
     item_classes: tuple[str, ...] = ("drifter",)
     """Classes of `models/debris.toml`, one drawn per item."""
+    item_contacts: bool = False
+    """Items that are bodies do not overlap; else they pass through each other."""
+    intake_rate_per_s: Annotated[float, Above(0, 100, "1/s"), _MOUTH] | None = None
+    """Items that a mouth takes in a second; absent: all that enter it at once."""
+    intake_jam_items: Annotated[int, Within(0, 1000, "items"), _ARCH] = 0
+    """With a rate: a mouth jams if it takes one of so many and more that lie in it; 0: never."""
+    intake_jam_s: Annotated[float, Within(0, 3600, "s"), source("estimate: a decision")] = 10.0
+    """Time for which a jammed mouth takes nothing."""
     integrator: Literal["fast", "reference"] = "fast"
     """`fast`: Euler with forces averaged over the step; `reference`: Runge-Kutta of order 4."""
     step_s: Annotated[float, Within(1e-3, 0.1, "s")] | None = None

@@ -19,6 +19,7 @@ from mjforage.mission.dynamics import Transition
 from mjforage.mission.task import IDLE, MISSED, TAKEN, UNREACHABLE
 from mjforage.physics.dynamics.tracks import RADIUS_M, LandGrid
 from mjforage.scenario.capture import BESIDE_M
+from mjforage.scenario.scenario import Physics
 
 MOUTH_DEPTH_M = 0.3  # how far behind the bow the mouth reaches, and the item's radius ahead of it
 MOUTH_REACH_M = 0.12  # an item of radius 0.1 m that touches the bow is in
@@ -26,6 +27,7 @@ ATTEMPTS = 2  # that may fail before an item is left for later
 NEAR_M, AWAY_M = 0.6, 1.2  # from the middle of the bow: an attempt begins, and has failed
 LATER_S = 60.0  # until an item that was given up is sought again
 STANDS = 0.42  # of a node's side: farthest that midships goes from its middle to take one beside it
+_ROUNDING_S = 1e-9  # of times that are sums of pauses
 READY_M = 9.0  # farthest item that a vessel gets ready for: a little more than two nodes of 4 m
 FloatArray = NDArray[np.float64]
 
@@ -68,6 +70,28 @@ class Goal(NamedTuple):
         pairs = (episodes, vessels)
         xy, following = np.full((*pairs, 2), np.nan), np.full((*pairs, 2), np.nan)
         return cls(xy, following, np.zeros(pairs, np.bool_))
+
+
+class Mouths(NamedTuple):
+    """Mouths that take one item after the other."""
+
+    pause_s: float  # from one item to the next [s]; 0: all that are in a mouth are taken at once
+    jam_items: int  # in a mouth beyond the one that it takes, with which it jams; 0: never
+    jam_s: float  # for which it then takes none
+    tick_s: float  # between two calls of `collect_at_mouth`
+    ready_s: FloatArray  # (episode, vessel) time from which it takes the next one [s]
+
+    def of(self, episodes: int) -> Self:
+        """The same ones, with nothing taken in so many episodes."""
+        return self._replace(ready_s=np.zeros((episodes, self.ready_s.shape[1])))
+
+
+def mouths_of(physics: Physics, vessels: int, tick_s: float) -> Mouths:
+    """Mouths of a scenario's vessels, in no episode yet."""
+    rate = physics.intake_rate_per_s
+    pause_s = 0.0 if rate is None else 1.0 / rate
+    none = np.zeros((0, vessels))
+    return Mouths(pause_s, physics.intake_jam_items, physics.intake_jam_s, tick_s, none)
 
 
 class Reach(NamedTuple):
@@ -247,20 +271,25 @@ def collect_at_mouth(
     xy: FloatArray,
     room_left: NDArray[np.int64],
     state: Transition,
+    mouths: Mouths,
+    now_s: FloatArray,
 ) -> int:
     """Capture rule `intake`: an item in a forager's mouth is taken, while there is room.
 
-    The mouth is as wide as the vessel, at the bow.
+    The mouth is as wide as the vessel, at the bow. With a pause it takes items one after the other,
+    and the hull pushes those that wait. If too many wait when it takes one, it jams.
 
     Parameters
     ----------
     pose : (episode, vessel, 3); xy : (episode, item, 2) [m]
+    mouths : `ready_s` is written
+    now_s : (episode,) [s]
 
     Returns
     -------
     How many items were taken.
     """
-    collects, size = reach.collects, reach.size
+    collects, size, ready_s = reach.collects, reach.size, mouths.ready_s
     item_node, collected_by, taken = state.item_node, state.collected_by, 0
     for e in range(active.size):
         if not active[e]:
@@ -270,15 +299,24 @@ def collect_at_mouth(
                 continue
             c, s = math.cos(pose[e, agent, 2]), math.sin(pose[e, agent, 2])
             bow, half = size[agent, 0], size[agent, 1]
+            waiting, before, now = 0, taken, now_s[e] + _ROUNDING_S
             for k in range(item_node.shape[1]):
                 if item_node[e, k] < 0 or room_left[e, agent] <= 0:
                     continue
                 dx, dy = xy[e, k, 0] - pose[e, agent, 0], xy[e, k, 1] - pose[e, agent, 1]
                 ahead, aside = c * dx + s * dy, c * dy - s * dx
                 if -MOUTH_DEPTH_M <= ahead - bow <= MOUTH_REACH_M and abs(aside) <= half:
+                    if ready_s[e, agent] > now:
+                        waiting += 1
+                        continue
+                    if now - ready_s[e, agent] > mouths.tick_s:  # it was idle
+                        ready_s[e, agent] = now_s[e]
+                    ready_s[e, agent] += mouths.pause_s
                     item_node[e, k] = -1
                     collected_by[e, k] = agent
                     room_left[e, agent] -= 1
                     state.pickup[e, agent] = TAKEN
                     taken += 1
+            if taken > before and 0 < mouths.jam_items <= waiting:
+                ready_s[e, agent] = max(ready_s[e, agent], now_s[e] + mouths.jam_s)
     return taken

@@ -32,6 +32,7 @@ from mjforage.physics.dynamics.collecting import (
     Reach,
     Sent,
     collect_at_mouth,
+    mouths_of,
     seek,
 )
 from mjforage.physics.dynamics.fleet_scene import (
@@ -101,6 +102,7 @@ class MujocoDynamics:
         self._vessels = fleet_vessels(fleet, self._choice)
         self._classes = item_choices(self._choice)
         self._bodies = self._choice.items == "bodies"
+        self._contacts = self._bodies and self._choice.item_contacts
         self._intake = self._choice.capture == "intake"
         self._chances = None if self._bodies else chances_of(fleet, scenario)
         certain = not self._intake and self._chances is None
@@ -125,6 +127,7 @@ class MujocoDynamics:
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
         narrow = self._has_camera and scenario.sensors.camera_fov_deg < 360.0
         self._reach = Reach(fleet.collects, self._size, self._grid, narrow)
+        self._mouths = mouths_of(self._choice, len(fleet), CONTROL_S)
         self._monitor_setup = MonitorSetup(
             pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
         )
@@ -159,6 +162,7 @@ class MujocoDynamics:
         self._wind_rc = initial.drift_rc
         self._state = start_state(initial, self._centres)
         self._attempts, self._tracks = self._no_attempts(initial), self._no_tracks(initial)
+        self._mouths = self._mouths.of(episodes)
         self._begin(keys)
         if self._rule is not None:
             self._rule.reset(initial, keys, self._state)
@@ -187,6 +191,7 @@ class MujocoDynamics:
         self._room_left[rows] = self._fleet.capacity
         self._state = scatter_all(self._state, rows, fresh, NOBODY)
         self._attempts = scatter_all(self._attempts, rows, self._no_attempts(initial), ("item",))
+        self._mouths.ready_s[rows] = 0.0
         self._tracks = self._tracks.with_rows(rows, self._no_tracks(initial))
         self._begin(scatter_rows(self._keys, rows, keys))
         if self._rule is not None:
@@ -334,6 +339,8 @@ class MujocoDynamics:
         simulation, before = self._simulation, self._motion
         simulation.commands[:] = self._pilot.command(active, known.pose, known.velocity)
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
+        if self._contacts:
+            simulation.separate_items(ids)
         self._motion = self._measured()
         self._tick[ids] += 1
         tick = Tick(
@@ -353,8 +360,9 @@ class MujocoDynamics:
 
     def _collect(self, active: NDArray[np.bool_]) -> None:
         """Capture rule `intake`, at every tick."""
-        pose, xy = self._motion.pose, self._simulation.item_xy
-        if collect_at_mouth(self._reach, active, pose, xy, self._room_left, self._state):
+        pose, xy, state = self._motion.pose, self._simulation.item_xy, self._state
+        room, clock = self._room_left, (self._mouths, self._tick * np.float64(CONTROL_S))
+        if collect_at_mouth(self._reach, active, pose, xy, room, state, *clock):
             self._remove()
 
     def _remove(self) -> None:

@@ -20,7 +20,15 @@ from mjforage.physics.callback.model_layout import (
     WATER,
     WIND,
 )
-from mjforage.physics.floating import Afloat, Bodies, activate, drift, quays_of, sync_items
+from mjforage.physics.floating import (
+    Afloat,
+    Bodies,
+    activate,
+    drift,
+    quays_of,
+    separate,
+    sync_items,
+)
 from mjforage.physics.scene import Scene, parking_xy, with_bodies
 from mjforage.physics.simulation.instability import (
     InstabilityError,
@@ -39,6 +47,7 @@ STRIDE = 4  # by which pools grow: a few sizes, so that their scenes are built o
 _ENGAGED = (
     *("engine", "model", "time_s", "commands", "thruster_state", "vessel_wind", "vessel_water"),
     *("load", "_pose", "_velocity", "_bodies", "_quays", "_activate", "_sync_items", "_drift"),
+    "_separate",
 )
 """Attributes that a simulation makes anew with every engine."""
 _CARRIED = ("time", "qpos", "qvel", "act", "qacc_warmstart", "ctrl", "userdata")
@@ -156,6 +165,7 @@ class Simulation:
         self._activate = BoundKernel(activate, afloat, bodies, self._pose, self._sizes, self._reach)
         self._sync_items = BoundKernel(sync_items, afloat, bodies)
         self._drift = BoundKernel(drift, afloat, self._quays, self.step_s, averaged)
+        self._separate = BoundKernel(separate, afloat, self._quays, self._shift_s)
 
     def _bind(self, vessels: int) -> None:
         """Bind the engine's arrays: inputs, and what it steps."""
@@ -275,6 +285,10 @@ class Simulation:
         self._afloat.q[which] = self._parking[items]
         self._afloat.v[which] = 0.0
         self.item_class[which] = -1.0
+
+    def separate_items(self, ids: NDArray[np.intp]) -> None:
+        """Let the items of simulations (indices) meet, with bodies or without, see `separate`."""
+        self._separate(ids)
 
     @property
     def vessel_pose(self) -> Float64Array:

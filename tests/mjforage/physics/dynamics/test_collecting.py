@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.dynamics import Transition, start_state
@@ -12,9 +13,11 @@ from mjforage.physics.dynamics.collecting import (
     Reach,
     Sent,
     collect_at_mouth,
+    mouths_of,
     seek,
 )
 from mjforage.physics.dynamics.tracks import LandGrid
+from mjforage.scenario.scenario import Physics
 
 ON = np.ones(1, np.bool_)
 GRAPH = navigation_graph(np.array([[1, 1, 1], [1, 0, 1]], np.bool_), 4.0, False)
@@ -42,14 +45,57 @@ def test_the_mouth_is_the_beam_wide_at_the_bow_and_fills_up() -> None:
     xy = np.array([places])
     pose = np.array([[[50.0, 50.0, 0.0], [0.0, 0.0, np.pi / 2]]])
     room = np.array([[5, 2]])
-    taken = collect_at_mouth(REACH, ON, pose, xy, room, state)
+    at_once, now = mouths_of(Physics(), 2, 0.1).of(1), np.zeros(1)
+    taken = collect_at_mouth(REACH, ON, pose, xy, room, state, at_once, now)
     assert taken == 2 and state.pickup.tolist() == [[IDLE, TAKEN]]
     assert room.tolist() == [[5, 0]]
     assert state.collected_by.tolist() == [[1, 1, -1, -1, -1, -1]]
     assert state.item_node.tolist() == [[-1, -1, 3, 3, 3, 3]]
     room[:] = 5
-    assert collect_at_mouth(REACH, ON, pose, xy, room, state) == 1
+    assert collect_at_mouth(REACH, ON, pose, xy, room, state, at_once, now) == 1
     assert state.collected_by[0].tolist() == [1, 1, -1, -1, -1, 1]
+
+
+def swallowed(physics: Physics, items: list[int], seconds: float = 40.0) -> list[float]:
+    """Times at which a mouth takes items, of which so many lie in it from tick 10 i on.
+
+    Called every 0.1 s, by the clock that missions have.
+    """
+    mouths, state = mouths_of(physics, 2, 0.1).of(1), state_of([3] * sum(items))
+    xy, pose = np.full((1, sum(items), 2), 90.0), np.zeros((1, 2, 3))
+    pose[0, 0] = 50.0
+    times: list[float] = []
+    for tick in range(round(seconds / 0.1)):
+        if tick % 10 == 0:
+            xy[0, : sum(items[: tick // 10 + 1])] = 1.0, 0.1
+        now = np.array([tick], np.int64) * np.float64(0.1)
+        room = np.array([[0, 99]])
+        taken = collect_at_mouth(REACH, ON, pose, xy, room, state, mouths, now)
+        times += [round(float(now[0]), 6)] * taken
+    return times
+
+
+@pytest.mark.parametrize("rate", [0.5, 1.0, 3.0, 7.0, 10.0, 25.0])
+def test_a_mouth_takes_so_many_items_in_a_second(rate: float) -> None:
+    """At the first tick at or after n / rate, whether rate and ticks fit or not."""
+    times = swallowed(Physics(intake_rate_per_s=rate), [20])
+    expected = [np.ceil(n / rate / 0.1 - 1e-6) * 0.1 for n in range(20)]
+    np.testing.assert_allclose(times, expected, atol=1e-6)
+
+
+def test_an_idle_mouth_saves_nothing_up() -> None:
+    """Three items after 5 s of nothing are taken one by one too, as those before them were."""
+    times = swallowed(Physics(intake_rate_per_s=2.0), [3, 0, 0, 0, 0, 0, 3])
+    np.testing.assert_allclose(times, [0.0, 0.5, 1.0, 6.0, 6.5, 7.0], atol=1e-6)
+
+
+def test_a_mouth_jams_when_too_many_wait() -> None:
+    """Of seven, it jams with four and more that wait: after the first, second and third one."""
+    jams = Physics(intake_rate_per_s=1.0, intake_jam_items=4, intake_jam_s=6.0)
+    np.testing.assert_allclose(swallowed(jams, [7]), [0, 6, 12, 18, 19, 20, 21], atol=1e-6)
+    np.testing.assert_allclose(swallowed(jams, [4]), [0, 1, 2, 3], atol=1e-6)
+    without_rate = Physics(intake_jam_items=4, intake_jam_s=6.0)
+    assert swallowed(without_rate, [7]) == [0.0] * 7
 
 
 def test_the_goal_is_the_nearest_item_within_the_target_node() -> None:

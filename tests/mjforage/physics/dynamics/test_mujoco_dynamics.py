@@ -220,3 +220,19 @@ def test_without_energy_a_vessel_stays_and_that_is_no_hindrance(world: str) -> N
     log = played(setup, [0, 1], world)
     assert (log.outcome[:, 4:] == ARRIVED).all()
     assert (log.energy[:, -1] < 4.0).all()
+
+
+@pytest.mark.parametrize("meet", [True, False])
+def test_items_of_a_mission_meet_where_they_shall(meet: bool) -> None:
+    """In a wind of 8 m/s some of two episodes would overlap."""
+    meeting = f"physics.item_contacts={str(meet).lower()}"
+    mission = create_mission(setup_of("comb-port-wind-8", "horizon=20", meeting), "physics")
+    mission.reset(3, np.arange(2))
+    mission.run(create_policy("greedy"))
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, MujocoDynamics)
+    nearest = np.inf
+    for xy, kind in zip(dynamics._simulation.item_xy, dynamics._simulation.item_class, strict=True):
+        apart = np.hypot(*(xy[kind >= 0, None] - xy[None, kind >= 0]).T)
+        nearest = min(nearest, apart[np.triu_indices(len(apart), 1)].min())
+    assert nearest > 0.19 if meet else nearest < 0.1

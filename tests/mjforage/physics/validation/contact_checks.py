@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.dynamics import start_state
 from mjforage.mission.initial_state import InitialState
-from mjforage.physics.dynamics.collecting import Reach, collect_at_mouth
+from mjforage.physics.dynamics.collecting import Reach, collect_at_mouth, mouths_of
 from mjforage.physics.dynamics.period_monitor import (
     MonitorSetup,
     Motion,
@@ -24,6 +24,7 @@ from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_checks import STEP_S, Float64Array, in_commands
 from mjforage.physics.vessels import NO_WINDAGE, Vessel, load_vessel
+from mjforage.scenario.scenario import Physics
 from tests.mjforage.physics.validation.measures import Measure, Measures, check, near, near_share
 from tests.mjforage.physics.validation.momentum import thrust
 from tests.mjforage.physics.validation.runs import CASES, case_name, momentum_rows
@@ -212,7 +213,8 @@ def _taken(places: Float64Array, room: int = 10_000, collects: bool = True) -> N
     size = np.array([[0.5 * forager.length_m, 0.5 * forager.beam_m]])
     reach = Reach(np.array([collects]), size, LandGrid(np.zeros((0, 0), np.bool_), PITCH_M), False)
     pose, left = np.array([[[5.0, -3.0, yaw]]]), np.array([[room]], np.int64)
-    collect_at_mouth(reach, np.ones(1, np.bool_), pose, xy[None], left, state)
+    mouths = mouths_of(Physics(), 1, 0.1).of(1)
+    collect_at_mouth(reach, np.ones(1, np.bool_), pose, xy[None], left, state, mouths, np.zeros(1))
     return np.asarray(state.item_node[0] < 0)
 
 

@@ -1,0 +1,263 @@
+"""Contacts between items, with bodies or not: once per tick overlap is undone and approach stopped.
+
+Places are corrected (Mueller et al., "Position based dynamics", 2007), pair by pair in a few sweeps
+(Gauss-Seidel). What leans on a quay does not yield to what lies upwind of it, as in the shock
+propagation of Guendelman et al., "Nonconvex rigid bodies with stacking" (2003). Items are discs
+without friction and do not bounce. Neighbours come from a hash of square cells.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import inlined, kernel
+from mjforage.physics.floating.drift import Afloat
+from mjforage.physics.floating.quays import Quays
+
+SWEEPS = 8  # at most, in a tick
+AHEAD_M = 0.05  # gap of pairs that may come to touch in the sweeps
+TOUCH_M = 1e-3  # items that near touch: approach is stopped
+SMALL = 3e-3  # overlap [m] and approach [m/s] with which sweeps end
+LEEWAY = 0.03  # of the wind: an item's usual drift, for the order of the pairs only
+CELL = 3.0  # side of the cells over the reach: two or three are searched for an item
+_LEAST = 1e-12
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+
+
+class Scratch(NamedTuple):
+    """Memory of a search for neighbours, of so many items."""
+
+    first: NDArray[np.int32]  # (power of two,) item of a bucket of cells, -1 none
+    following: NDArray[np.int32]  # (item,) the next one of its bucket
+    cell: Int64Array  # (item, 2)
+
+
+@kernel
+def scratch_of(items: int) -> Scratch:
+    """Memory for a search."""
+    size = 4
+    while size < 2 * items:
+        size *= 2
+    following, cell = np.empty(items, np.int32), np.empty((items, 2), np.int64)
+    return Scratch(np.empty(size, np.int32), following, cell)
+
+
+@kernel
+def near_pairs(afloat: Afloat, e: int, reach_m: float, scratch: Scratch, pairs: Int64Array) -> int:
+    """Find the pairs j < k of a simulation's items that are nearer to each other than `reach_m`.
+
+    Their order depends on the places alone.
+
+    Parameters
+    ----------
+    pairs : (room, 2) written
+
+    Returns
+    -------
+    Number of pairs; those beyond the room are only counted.
+    """
+    q, kind = afloat.q, afloat.kind
+    first, following, cell = scratch.first, scratch.following, scratch.cell
+    last, side_m, count = len(first) - 1, CELL * reach_m, 0
+    first[:] = -1
+    for k in range(kind.shape[1]):
+        if kind[e, k] < 0.0:
+            continue
+        x, y = q[e, k, 0], q[e, k, 1]
+        to_i, to_j = math.floor((x + reach_m) / side_m), math.floor((y + reach_m) / side_m)
+        for i in range(math.floor((x - reach_m) / side_m), to_i + 1):
+            for j in range(math.floor((y - reach_m) / side_m), to_j + 1):
+                other = first[_bucket(i, j) & last]
+                while other >= 0:
+                    dx, dy = x - q[e, other, 0], y - q[e, other, 1]
+                    here = cell[other, 0] == i and cell[other, 1] == j  # not of another cell
+                    if here and dx * dx + dy * dy < reach_m * reach_m:
+                        if count < len(pairs):
+                            pairs[count, 0], pairs[count, 1] = other, k
+                        count += 1
+                    other = following[other]
+        i, j = math.floor(x / side_m), math.floor(y / side_m)
+        cell[k, 0], cell[k, 1], bucket = i, j, _bucket(i, j) & last
+        following[k], first[bucket] = first[bucket], k
+    return count
+
+
+@inlined
+def _bucket(i: int, j: int) -> int:
+    """A number of a cell, for a hash of cells."""
+    return i * 73856093 ^ j * 19349663
+
+
+@kernel
+def _bounds(quays: Quays, state: Float64Array) -> Float64Array:
+    """(item, 4) least x, y and largest x, y that items can be moved to, off quays, in a tick.
+
+    No farther than the diameter of an item. One in a quay is not moved deeper.
+    """
+    land, pitch, radius = quays.land, quays.pitch_m, quays.radius_m
+    bounds, far = np.empty((len(state), 4)), 2.0 * radius
+    for k in range(len(state)):
+        x, y = state[k, 0], state[k, 1]
+        free_x, free_y, side_x, side_y = far, far, 1, 1
+        i, j = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
+        if 0 <= i < land.shape[0] - 2 and 0 <= j < land.shape[1] - 2:
+            off_x, off_y = x - i * pitch, y - j * pitch
+            i, j = i + 1, j + 1  # of the frame
+            side_x, side_y = 1 if off_x > 0.0 else -1, 1 if off_y > 0.0 else -1
+            gap_x = min(far, max(0.0, 0.5 * pitch - abs(off_x) - radius))
+            gap_y = min(far, max(0.0, 0.5 * pitch - abs(off_y) - radius))
+            by_x, by_y = land[i + side_x, j], land[i, j + side_y]
+            if not by_x and not by_y and land[i + side_x, j + side_y]:  # a corner that stands out
+                by_x, by_y = gap_x >= gap_y, gap_y >= gap_x
+            free_x, free_y = gap_x if by_x else far, gap_y if by_y else far
+            if land[i, j]:
+                free_x = free_y = far = 0.0
+        bounds[k, 0], bounds[k, 2] = x - far, x + far
+        bounds[k, 1], bounds[k, 3] = y - far, y + far
+        bounds[k, 1 + side_x], bounds[k, 2 + side_y] = x + side_x * free_x, y + side_y * free_y
+        far = 2.0 * radius
+    return bounds
+
+
+@kernel
+def _give(
+    state: Float64Array, bounds: Float64Array, k: int, at: int, nx: float, ny: float, much: float
+) -> float:
+    """Move item k by so much along a normal, or change its velocity; how much quays let it.
+
+    Parameters
+    ----------
+    at : column of `state`: 0 places, 2 velocities
+    """
+    given = 0.0
+    for axis in range(2):
+        along = nx if axis == 0 else ny
+        old = state[k, at + axis]
+        least, most = bounds[k, axis], bounds[k, 2 + axis]
+        if at:
+            least = min(0.0, old) if state[k, axis] < least + TOUCH_M else -np.inf
+            most = max(0.0, old) if state[k, axis] > most - TOUCH_M else np.inf
+        new = min(max(old + much * along, least), most)
+        given += (new - old) * along
+        state[k, at + axis] = new
+    return given
+
+
+@kernel
+def _sweep(
+    state: Float64Array,
+    bounds: Float64Array,
+    mass: Float64Array,
+    pairs: Int64Array,
+    held: NDArray[np.bool_],
+    reach_m: float,
+) -> float:
+    """Part all pairs once, in their order; the largest overlap [m] or approach [m/s] met.
+
+    One item that a quay holds back is held, and so is what lies upwind of it: b of a pair (a, b).
+
+    Parameters
+    ----------
+    state : (item, 4) x, y [m], velocity [m/s]
+    """
+    most = 0.0
+    for p in range(len(pairs)):
+        a, b = pairs[p, 0], pairs[p, 1]
+        nx, ny = state[b, 0] - state[a, 0], state[b, 1] - state[a, 1]
+        gap = math.sqrt(nx * nx + ny * ny)
+        if gap >= reach_m + TOUCH_M:
+            continue
+        nx, ny = (nx / gap, ny / gap) if gap > _LEAST else (1.0, 0.0)
+        share = mass[b] / (mass[a] + mass[b])
+        for at in (0, 2):
+            much = reach_m - gap
+            if at:
+                much = (state[a, 2] - state[b, 2]) * nx + (state[a, 3] - state[b, 3]) * ny
+            if much <= 0.0:
+                continue
+            most = max(most, much)
+            wanted = much * (0.0 if held[a] else 1.0 if held[b] else share)
+            of_a = -_give(state, bounds, a, at, nx, ny, -wanted)
+            held[a] |= of_a < wanted - _LEAST
+            of_b = _give(state, bounds, b, at, nx, ny, much - of_a)
+            if of_a + of_b < much - _LEAST:
+                held[b] = True
+                _give(state, bounds, a, at, nx, ny, of_a + of_b - much)
+            held[b] |= held[a]
+    return most
+
+
+@kernel
+def _from_downwind(state: Float64Array, pairs: Int64Array, to_x: float, to_y: float) -> Int64Array:
+    """Pairs with the item farther downwind first, in the order of the other one, from downwind."""
+    upwind = np.empty(len(pairs))
+    for p in range(len(pairs)):
+        a, b = pairs[p, 0], pairs[p, 1]
+        of_a = state[a, 0] * to_x + state[a, 1] * to_y
+        of_b = state[b, 0] * to_x + state[b, 1] * to_y
+        if of_a < of_b:
+            pairs[p, 0], pairs[p, 1] = b, a
+        upwind[p] = -min(of_a, of_b)
+    return pairs[np.argsort(upwind, kind="mergesort")]
+
+
+@kernel
+def _renumbered(pairs: Int64Array, items: int) -> Int64Array:
+    """(item,) items of the pairs, of so many; the pairs become places in that."""
+    named, place, count = np.empty(2 * len(pairs), np.int64), np.full(items, -1, np.int64), 0
+    for p in range(len(pairs)):
+        for side in range(2):
+            k = pairs[p, side]
+            if place[k] < 0:
+                place[k], named[count] = count, k
+                count += 1
+            pairs[p, side] = place[k]
+    return named[:count]
+
+
+@kernel
+def separate(afloat: Afloat, quays: Quays, shift_s: float, ids: Int64Array) -> None:
+    """Part the items of simulations `ids` that overlap, and stop those that touch and approach.
+
+    Each of two items gives way by its share of the inverse masses, so that their momentum stays,
+    but for what a quay takes. No item is moved into a quay. Sweeps end when all is small.
+
+    Parameters
+    ----------
+    afloat : places and velocities of items that touch are written
+    shift_s : time by which places in `afloat` run ahead of velocities [s]
+    """
+    q, v, wind, water = afloat.q, afloat.v, afloat.wind, afloat.water
+    kind, kinds, reach_m = afloat.kind, afloat.kinds, 2.0 * quays.radius_m
+    scratch, room = scratch_of(kind.shape[1]), np.empty((2 * kind.shape[1], 2), np.int64)
+    for e in ids:
+        count = near_pairs(afloat, e, reach_m + AHEAD_M, scratch, room)
+        if not count:
+            continue
+        if count > len(room):
+            room = np.empty((2 * count, 2), np.int64)
+            near_pairs(afloat, e, reach_m + AHEAD_M, scratch, room)
+        pairs = room[:count]
+        items = _renumbered(pairs, kind.shape[1])
+        state, mass = np.empty((len(items), 4)), np.empty(len(items))
+        to_x = to_y = 0.0
+        for n in range(len(items)):
+            k = items[n]
+            mass[n], state[n, 2], state[n, 3] = kinds[int(kind[e, k]), 0], v[e, k, 0], v[e, k, 1]
+            state[n, 0] = q[e, k, 0] - shift_s * v[e, k, 0]
+            state[n, 1] = q[e, k, 1] - shift_s * v[e, k, 1]
+            to_x += LEEWAY * wind[e, k, 0] + water[e, k, 0]
+            to_y += LEEWAY * wind[e, k, 1] + water[e, k, 1]
+        pairs, before = _from_downwind(state, pairs, to_x, to_y), state.copy()
+        bounds, held = _bounds(quays, state), np.zeros(len(items), np.bool_)
+        for _ in range(SWEEPS):
+            if _sweep(state, bounds, mass, pairs, held, reach_m) < SMALL:
+                break
+        for n in range(len(items)):
+            for axis in range(2):
+                k, faster = items[n], state[n, 2 + axis] - before[n, 2 + axis]
+                q[e, k, axis] += state[n, axis] - before[n, axis] + shift_s * faster
+                v[e, k, axis] = state[n, 2 + axis]
