@@ -21,7 +21,7 @@ AHEAD_M = 0.05  # gap of pairs that may come to touch in the sweeps
 TOUCH_M = 1e-3  # items that near touch: approach is stopped
 SMALL = 3e-3  # overlap [m] and approach [m/s] with which sweeps end
 LEEWAY = 0.03  # of the wind: an item's usual drift, for the order of the pairs only
-CELL = 3.0  # side of the cells over the reach: two or three are searched for an item
+SHARE = 0.35  # of a cell's side that the reach is: two or three cells are searched for an item
 _LEAST = 1e-12
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
@@ -61,15 +61,17 @@ def near_pairs(afloat: Afloat, e: int, reach_m: float, scratch: Scratch, pairs: 
     """
     q, kind = afloat.q, afloat.kind
     first, following, cell = scratch.first, scratch.following, scratch.cell
-    last, side_m, count = len(first) - 1, CELL * reach_m, 0
+    last, per_m, count = len(first) - 1, 0.999 * SHARE / reach_m, 0
     first[:] = -1
     for k in range(kind.shape[1]):
         if kind[e, k] < 0.0:
             continue
         x, y = q[e, k, 0], q[e, k, 1]
-        to_i, to_j = math.floor((x + reach_m) / side_m), math.floor((y + reach_m) / side_m)
-        for i in range(math.floor((x - reach_m) / side_m), to_i + 1):
-            for j in range(math.floor((y - reach_m) / side_m), to_j + 1):
+        in_x, in_y = x * per_m, y * per_m
+        own_i, own_j = math.floor(in_x), math.floor(in_y)
+        in_x, in_y = in_x - own_i, in_y - own_j  # from 0 to 1
+        for i in range(own_i - (in_x < SHARE), own_i + 1 + (in_x > 1.0 - SHARE)):
+            for j in range(own_j - (in_y < SHARE), own_j + 1 + (in_y > 1.0 - SHARE)):
                 other = first[_bucket(i, j) & last]
                 while other >= 0:
                     dx, dy = x - q[e, other, 0], y - q[e, other, 1]
@@ -79,8 +81,7 @@ def near_pairs(afloat: Afloat, e: int, reach_m: float, scratch: Scratch, pairs: 
                             pairs[count, 0], pairs[count, 1] = other, k
                         count += 1
                     other = following[other]
-        i, j = math.floor(x / side_m), math.floor(y / side_m)
-        cell[k, 0], cell[k, 1], bucket = i, j, _bucket(i, j) & last
+        cell[k, 0], cell[k, 1], bucket = own_i, own_j, _bucket(own_i, own_j) & last
         following[k], first[bucket] = first[bucket], k
     return count
 
@@ -232,7 +233,7 @@ def separate(afloat: Afloat, quays: Quays, shift_s: float, ids: Int64Array) -> N
     """
     q, v, wind, water = afloat.q, afloat.v, afloat.wind, afloat.water
     kind, kinds, reach_m = afloat.kind, afloat.kinds, 2.0 * quays.radius_m
-    scratch, room = scratch_of(kind.shape[1]), np.empty((2 * kind.shape[1], 2), np.int64)
+    scratch, room = scratch_of(kind.shape[1]), np.empty((kind.shape[1], 2), np.int64)
     for e in ids:
         count = near_pairs(afloat, e, reach_m + AHEAD_M, scratch, room)
         if not count:
