@@ -22,7 +22,7 @@ from mjforage.controllers.vessel_model import FloatArray, ModelArray, ModelRecor
 
 X, Y, YAW, OFF_X, OFF_Y, TURN = range(6)  # states; the last three are errors of fix and compass
 STATES = 6
-MARGIN = 3.0  # standard deviations of the position that are kept free
+MARGIN = 3.5  # standard deviations of the position that are kept free
 LEAST_M, LEAST_RAD = 1e-3, 1e-4  # of white noise: what numbers are rounded to, so to say
 LEAST_MPS = 0.01  # of the log's noise: steps of time
 GYRO_RAD2PS = 1e-8  # variance that the heading gains per second
