@@ -25,6 +25,7 @@ from mjforage.controllers.vessel_model import ModelArray
 AHEAD, TURNED = 0.0, 1.0  # vessels as they head now, and as they will when they turn no more
 LEAST_TURN_RAD = 0.05  # a turn that is looked at
 UNSURE_MPS = 0.25  # towards a quay that may be nearer than it seems
+ALONG_MPS = 0.4  # along such a quay
 PAST_QUAY_MPS, PAST_VESSEL_MPS = 0.25, 0.15  # along a vessel nearer than the clearance, a quay half
 LONGEST_PATH_M = 5.0  # of another, to stop
 
@@ -58,6 +59,11 @@ def limit_by(
                 most = striking_speed(sure, brake, reaction, UNSURE_MPS)
             elif sure < reach:
                 most = UNSURE_MPS
+            else:  # alongside, where a corner may jut out that seems to be passed
+                away = clearance_to(
+                    state, models, land, pitch, i, other, way, side * STEP_M, turned, reach
+                )
+                most = UNLIMITED if away > gap + SLACK_M else ALONG_MPS
             if side > 0.0:
                 s.most_ahead = min(s.most_ahead, most)
             else:

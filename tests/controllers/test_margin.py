@@ -9,7 +9,7 @@ from mjforage.controllers import Chart
 from mjforage.controllers.contact import TOUCH_QUAY_MPS
 from mjforage.controllers.lee_shore import heed_lee
 from mjforage.controllers.legs import REACTION_S
-from mjforage.controllers.safety import UNSURE_MPS, limit_speeds
+from mjforage.controllers.safety import ALONG_MPS, UNSURE_MPS, limit_speeds
 from mjforage.controllers.state import STATE, TRANSIT, VesselState
 from tests.controllers.plant import FORAGER as P
 from tests.controllers.plant import vessel_at
@@ -52,6 +52,16 @@ def test_within_the_margin_a_vessel_goes_on_slowly_and_away_as_it_likes() -> Non
     s = limited(before(0.7, 1.0))
     assert 0.5 * TOUCH_QUAY_MPS < s.most_ahead <= UNSURE_MPS
     assert s.most_astern > 1.0
+
+
+def test_within_the_margin_of_a_quay_alongside_a_vessel_goes_slowly() -> None:
+    """A corner that seems to be passed may be in the way."""
+    s = vessel_at(16.0, -2.0 + 0.5 * P.beam_m + 0.5)
+    assert limited(s).most_ahead > 1.0
+    s.margin = 0.6
+    assert limited(s).most_ahead == limited(s).most_astern == ALONG_MPS
+    s.margin = 0.4
+    assert limited(s).most_ahead > 1.0
 
 
 def test_the_larger_the_margin_the_slower() -> None:
