@@ -64,6 +64,9 @@ def test_every_key_of_a_scenario_is_of_the_run(played: Path) -> None:
     for name, scenario in changes(setup.scenario):
         if name == "rules.order":  # must be of its teams
             scenario = replace(setup.scenario, rules=replace(setup.scenario.rules, order=ORDER))
+        if name == "sensors.positioning":  # must be a model
+            sensors = replace(setup.scenario.sensors, positioning="gnss")
+            scenario = replace(setup.scenario, sensors=sensors)
         varied = pinned(replace(setup, scenario=scenario))
         info = run_info(varied, PLAYERS, ["graph"], 2, 0)
         assert_refused(played, partial(RunFolder(played).open, info), name)
