@@ -29,6 +29,11 @@ class Integrator(Enum):
         return 0.1 if self is Integrator.FAST else 0.02
 
 
+MUJOCO_4 = 4_000_000
+"""From this version on the sparse solver sums elliptic cones in an order that parked bodies change.
+The dense one does not, and takes 1.4 times as long with 24 bodies, 3.5 times with 75."""
+
+
 def prepared(scene: Scene, integrator: Integrator, step_s: float) -> mujoco.MjModel:
     """A copy of a scene's model set up for an integrator and a step [s]."""
     copy: mujoco.MjModel = scene.model.__copy__()
@@ -36,6 +41,8 @@ def prepared(scene: Scene, integrator: Integrator, step_s: float) -> mujoco.MjMo
     kind = mujoco.mjtIntegrator.mjINT_EULER if fast else mujoco.mjtIntegrator.mjINT_RK4
     lag = mujoco.mjtDyn.mjDYN_FILTEREXACT if fast else mujoco.mjtDyn.mjDYN_FILTER
     copy.opt.timestep, copy.opt.integrator = step_s, kind
+    if mujoco.mj_version() >= MUJOCO_4:
+        copy.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     copy.actuator_dyntype[:] = lag
     copy.numeric_data[SCHEME] = AVERAGED if fast else INSTANT
     set_fenders(copy, scene, step_s, ahead=fast)
