@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mjforage.api.evaluating import compare, evaluate, load_run
+    from mjforage.api.maps import Map
     from mjforage.api.missions import Mission, State, make_mission
     from mjforage.api.names import names
     from mjforage.api.run import Run
-    from mjforage.api.scenarios import Map, Scenario, load_scenario
+    from mjforage.api.scenarios import Scenario, load_scenario
     from mjforage.api.studies import Study, board, study
     from mjforage.api.training import train
     from mjforage.api.view import View
@@ -33,7 +34,7 @@ if _is_module or Path(sys.argv[0]).stem == "mjforage":
     end_on_ctrl_c()  # before the rest is imported, which takes a fifth of a second
 
 _PLACES = {
-    "Map": "api.scenarios",
+    "Map": "api.maps",
     "Mission": "api.missions",
     "Run": "api.run",
     "Scenario": "api.scenarios",

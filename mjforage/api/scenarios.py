@@ -1,11 +1,11 @@
-"""Scenarios and maps as a user of Python has them: names, files, arrays and objects."""
+"""Scenarios as a user of Python has them: names, files and objects."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import tomli_w
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mjforage.api import checks
 from mjforage.api.checks import Named
+from mjforage.api.maps import Map
 from mjforage.api.vessels import vessel_file, vessel_folder
 from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
@@ -21,122 +22,17 @@ from mjforage.mission.setup import Setup
 from mjforage.physics.vessels import Vessel
 from mjforage.scenario import scenario_file
 from mjforage.scenario.harbours import is_harbour
-from mjforage.scenario.map_files import WaterIs, is_shipped_map, write_table
+from mjforage.scenario.map_files import is_shipped_map
 from mjforage.scenario.maps import (
     GridMap,
-    Starts,
-    check_starts,
     load_map,
-    load_starts,
-    water_of_array,
 )
 from mjforage.scenario.scenario import Scenario as Settings
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    pass
 
 VAR_KEYWORD = Parameter.VAR_KEYWORD
-
-
-class Map:
-    """A grid of water and land, north up, with its pitch and starts; immutable.
-
-    Parameters
-    ----------
-    water : array (rows, columns), True where there is water; or the name of a shipped map, of a
-        generated harbour such as ``harbour:combs:7``, or a file (CSV table, grid or image)
-    pitch_m : distance between the centres of neighbouring nodes [m]
-    starts : (row, column) of the starts, assigned to agents at random; None: those beside a file,
-        else a random cluster
-    name : for tables and pages; by default that of the file
-    water_is : pixels of a file that are water, "light" or "dark"
-
-    Raises
-    ------
-    UserError
-        If the map cannot be read, or has no water. Whether its water is one component, a scenario
-        checks.
-
-    Examples
-    --------
-    >>> import mjforage as mf, numpy as np
-    >>> mf.Map(np.ones((20, 30), bool), pitch_m=2.0)
-    Map(array, 20 x 30 at 2 m, 600 nodes)
-    """
-
-    __slots__ = ("_grid", "_pitch_m", "_starts")
-
-    def __init__(
-        self,
-        water: Named | ArrayLike,
-        *,
-        pitch_m: float = 4.0,
-        starts: Starts | None = None,
-        name: str | None = None,
-        water_is: WaterIs = "light",
-    ) -> None:
-        checks.one_of("water_is", water_is, get_args(WaterIs))
-        if isinstance(water, str | os.PathLike):
-            grid, beside = load_map(os.fspath(water), water=water_is), load_starts(os.fspath(water))
-        elif water_is != "light":
-            raise UserError(f"water_is {water_is!r}: is for files; mark an array's water with True")
-        else:
-            grid, beside = GridMap("array", water_of_array(water)), None
-            if not grid.nodes:
-                raise UserError("map: the array has no water; mark water with 1 or True")
-        given = beside or () if starts is None else _cells(starts)
-        self._grid = GridMap(
-            grid.name if name is None else checks.label("name", name), grid.navigable
-        )
-        self._starts: Starts = tuple((int(row), int(column)) for row, column in given)
-        self._pitch_m = checks.real("pitch_m", pitch_m, above=0.0)
-        check_starts(self._starts, self.water, "this map", self.name)
-
-    @property
-    def name(self) -> str:
-        """Name for tables and pages."""
-        return self._grid.name
-
-    @property
-    def water(self) -> NDArray[np.bool_]:
-        """(row, column) True where there is water; read-only."""
-        return self._grid.navigable
-
-    @property
-    def pitch_m(self) -> float:
-        """Distance between the centres of neighbouring nodes [m]."""
-        return self._pitch_m
-
-    @property
-    def starts(self) -> Starts:
-        """(row, column) of the starts; empty: a random cluster."""
-        return self._starts
-
-    def plot(self) -> "Figure":
-        """Figure of the map, north up, with its starts."""
-        from mjforage.view.figures.map_pictures import map_figure
-
-        return map_figure([self._grid], self.starts)
-
-    def to_file(self, path: Named) -> Path:
-        """Write the water as a CSV table, and the starts beside it.
-
-        Raises
-        ------
-        UserError
-            If a file cannot be written.
-        """
-        target = checks.path("path", path)
-        write_table(self.water, target)
-        if self.starts:
-            with atomic_write(target.with_name(f"{target.stem}.starts.csv")) as beside:
-                beside.write_text("".join(f"{row},{column}\n" for row, column in self.starts))
-        return target
-
-    def __repr__(self) -> str:
-        rows, columns = self.water.shape
-        size = f"{rows} x {columns} at {self.pitch_m:g} m"
-        return f"Map({self.name}, {size}, {self._grid.nodes} nodes)"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -294,16 +190,6 @@ def load_scenario(
     if not isinstance(reference, str | os.PathLike):
         raise TypeError(f"scenario is {type(reference).__name__}; give a name or a TOML file")
     return _changed(scenario_file.load_scenario(os.fspath(reference)), None, map, changes)
-
-
-def _cells(starts: object) -> list[list[int]]:
-    """(row, column) of each start; raises `TypeError` for anything else."""
-    several = starts.tolist() if isinstance(starts, np.ndarray) else starts
-    if not isinstance(several, Sequence) or not all(
-        isinstance(one, Sequence) and not isinstance(one, str) and len(one) == 2 for one in several
-    ):
-        raise TypeError(f"starts {starts!r}: give (row, column) of each, as in [(2, 5), (3, 5)]")
-    return [[checks.whole("start", part, 0) for part in one] for one in several]
 
 
 def reads_as(setup: Setup) -> bool:

@@ -5,7 +5,6 @@ A decision becomes a waypoint; controllers steer at 10 Hz; the state at the peri
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +42,7 @@ from mjforage.physics.dynamics.fleet_scene import (
 )
 from mjforage.physics.dynamics.item_bodies import draw_classes, read_items
 from mjforage.physics.dynamics.period_monitor import (
+    Known,
     MonitorSetup,
     Motion,
     PeriodRecord,
@@ -50,6 +50,7 @@ from mjforage.physics.dynamics.period_monitor import (
     judge,
     monitor,
 )
+from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS, whole_times
 from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid, look_out, tracked
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.positioning import create_positioning
@@ -59,17 +60,6 @@ from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.weather import Field, WeatherSettings, flow_in
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
-
-CONTROL_S = 0.1  # controllers run at 10 Hz
-WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a gust's memory
-
-
-class Known(NamedTuple):
-    """Poses and velocities as the vessels know them, (episode, vessel, 3) each, world axes."""
-
-    pose: NDArray[np.float64]  # [m], [rad]
-    velocity: NDArray[np.float64]  # [m/s], [rad/s]
-    seeking: NDArray[np.float64]  # pose from which items are chosen: exact without a filter
 
 
 class MujocoDynamics:
@@ -95,10 +85,10 @@ class MujocoDynamics:
         self._trajectory, self._choice = trajectory, scenario.physics
         weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
         self._step_s = step_s = self._choice.step_s or self._integrator.step_s
-        self._ticks = WEATHER_TICKS * _times(
+        self._ticks = WEATHER_TICKS * whole_times(
             scenario.period_s, weather_s, f"period_s = {scenario.period_s:g} s"
         )
-        self._substeps = _times(CONTROL_S, step_s, f"physics.step_s = {step_s:g} s")
+        self._substeps = whole_times(CONTROL_S, step_s, f"physics.step_s = {step_s:g} s")
         self._vessels = fleet_vessels(fleet, self._choice)
         self._classes = item_choices(self._choice)
         self._bodies = self._choice.items == "bodies"
@@ -120,8 +110,8 @@ class MujocoDynamics:
         period, latency = scenario.sensors.camera_period_s, scenario.sensors.camera_latency_s
         self._camera = camera_of(
             scenario.sensors,
-            _times(period, CONTROL_S, f"sensors.camera_period_s = {period:g} s"),
-            _times(latency, CONTROL_S, f"sensors.camera_latency_s = {latency:g} s", 0),
+            whole_times(period, CONTROL_S, f"sensors.camera_period_s = {period:g} s"),
+            whole_times(latency, CONTROL_S, f"sensors.camera_latency_s = {latency:g} s", 0),
         )
         self._has_camera = self._intake and scenario.sensors.camera_noise_m > 0.0
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
@@ -401,20 +391,3 @@ class MujocoDynamics:
         now = self._tick * CONTROL_S
         wind = self._field.wind(now, self._motion.pose[:, :1, :2])[0, 0]
         self._trajectory.record(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)
-
-
-def _times(whole: float, part: float, name: str, least: int = 1) -> int:
-    """Whole number of times that a time [s] goes into another, at least so many.
-
-    Raises
-    ------
-    UserError
-        If not a whole number of times.
-    """
-    count = round(whole / part)
-    if count < least or abs(count * part - whole) > 1e-9 * whole:
-        raise UserError(
-            f"scenario: {name} does not fit; {whole:g} s has to be a whole number of times "
-            f"{part:g} s"
-        )
-    return count

@@ -58,6 +58,14 @@ class Motion(NamedTuple):
     velocity: FloatArray  # over ground [m/s], [rad/s]
 
 
+class Known(NamedTuple):
+    """Poses and velocities as the vessels know them, (episode, vessel, 3) each, world axes."""
+
+    pose: FloatArray  # [m], [rad]
+    velocity: FloatArray  # [m/s], [rad/s]
+    seeking: FloatArray  # pose from which items are chosen: exact without a filter
+
+
 class Tick(NamedTuple):
     """One control tick."""
 

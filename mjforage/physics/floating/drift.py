@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.physics.callback.model_layout import CLASS_WIDTH
 from mjforage.physics.floating.quays import Quays, beside_quays, is_clear
 from mjforage.physics.hydrodynamics.item_drag import item_load
 
@@ -22,6 +23,14 @@ class Afloat(NamedTuple):
     kind: Float64Array  # row of `kinds`, negative if not on the water
     kinds: Float64Array  # (class, 3) mass incl. added mass [kg], air and water drag [N s2/m2]
     active: NDArray[np.bool_]  # whether it has a body for the moment
+
+    @classmethod
+    def of(cls, classes: int, simulations: int, items: int) -> "Afloat":
+        """Items, not yet on the water."""
+        q, v, wind, water = np.zeros((4, simulations, items, 2))
+        shape = simulations, items
+        kind, kinds = np.full(shape, -1.0), np.zeros((classes, CLASS_WIDTH))
+        return cls(q, v, wind, water, kind, kinds, np.zeros(shape, np.bool_))
 
 
 class Item(NamedTuple):

@@ -10,6 +10,7 @@ from enum import Enum
 
 import mujoco
 
+from mjforage.base.errors import UserError
 from mjforage.physics.callback.model_layout import AVERAGED, INSTANT, SCHEME
 from mjforage.physics.scene import Scene
 from mjforage.physics.simulation.fenders import set_fenders
@@ -52,3 +53,18 @@ def prepared(scene: Scene, integrator: Integrator, step_s: float) -> mujoco.MjMo
 def half_step_s(integrator: Integrator, step_s: float) -> float:
     """Time by which positions run ahead of velocities [s]."""
     return 0.5 * step_s if integrator is Integrator.FAST else 0.0
+
+
+def check_lags(scene: Scene, step_s: float) -> None:
+    """Refuse steps on which Runge-Kutta of order 4 would make a lag oscillate without a warning.
+
+    It is unstable from 2.785 time constants on, and the command's range hides it. The fast
+    integrator solves the lag exactly.
+    """
+    lag_s, name = min((v.lag_s, n) for v, n in zip(scene.vessels, scene.names, strict=True))
+    if step_s > 2.0 * lag_s:
+        raise UserError(
+            f"simulation: step {step_s:g} s of the reference integrator is too long for "
+            f"lag_s = {lag_s:g} s of {name}; give a step of at most {2.0 * lag_s:g} s or take the "
+            "fast integrator"
+        )

@@ -11,7 +11,6 @@ from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.physics.callback import install
 from mjforage.physics.callback.model_layout import (
-    CLASS_WIDTH,
     HEADER,
     INPUT_WIDTH,
     LOAD,
@@ -35,7 +34,7 @@ from mjforage.physics.simulation.instability import (
     check_warnings,
     warnings_suppressed,
 )
-from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
+from mjforage.physics.simulation.integrators import Integrator, check_lags, half_step_s, prepared
 
 Float64Array = NDArray[np.float64]
 
@@ -106,7 +105,7 @@ class Simulation:
         step_s = integrator.step_s if step_s is None else step_s
         self.simulations, self.step_s, self._integrator = simulations, step_s, integrator
         if integrator is Integrator.REFERENCE:
-            _check_lags(scene, step_s)
+            check_lags(scene, step_s)
         self.items = scene.items if items is None else items
         if bool(self.items) != bool(scene.items):
             scene = with_bodies(scene, self.items and POOL_SPARE + 1)
@@ -114,7 +113,7 @@ class Simulation:
         self._shift_s = half_step_s(integrator, step_s)
         self._every = np.arange(simulations)
         self.seeds = tuple(range(simulations) if seeds is None else seeds)
-        self._take_items(_afloat(scene, simulations, self.items))
+        self._take_items(Afloat.of(len(scene.classes), simulations, self.items))
         self._sizes = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in scene.vessels])
         self._active_steps = max(1, int(ACTIVE_S / step_s + 1e-9))  # steps
         self._engage(scene)
@@ -238,7 +237,8 @@ class Simulation:
             named[sim] = seed
         self.seeds = tuple(named)
         if items > self.items:
-            wide, before = _afloat(self.scene, self.simulations, items), self._afloat
+            classes, before = len(self.scene.classes), self._afloat
+            wide = Afloat.of(classes, self.simulations, items)
             wide.q[:] = parking_xy(items)
             for new, old in zip(wide, before, strict=True):
                 new[:, : old.shape[1]] = old
@@ -376,32 +376,3 @@ class Simulation:
                 f"physics: unstable at seed {self.seeds[sim]}, t = {self.time_s[sim]:.2f} s, item "
                 f"{item}; check the wind and the water given to it"
             )
-
-
-def _afloat(scene: Scene, simulations: int, items: int) -> Afloat:
-    """Items, not yet on the water."""
-    q, v, wind, water = np.zeros((4, simulations, items, 2))
-    return Afloat(
-        q,
-        v,
-        wind,
-        water,
-        np.full((simulations, items), -1.0),
-        np.zeros((len(scene.classes), CLASS_WIDTH)),
-        np.zeros((simulations, items), np.bool_),
-    )
-
-
-def _check_lags(scene: Scene, step_s: float) -> None:
-    """Refuse steps on which Runge-Kutta of order 4 would make a lag oscillate without a warning.
-
-    It is unstable from 2.785 time constants on, and the command's range hides it. The fast
-    integrator solves the lag exactly.
-    """
-    lag_s, name = min((v.lag_s, n) for v, n in zip(scene.vessels, scene.names, strict=True))
-    if step_s > 2.0 * lag_s:
-        raise UserError(
-            f"simulation: step {step_s:g} s of the reference integrator is too long for "
-            f"lag_s = {lag_s:g} s of {name}; give a step of at most {2.0 * lag_s:g} s or take the "
-            "fast integrator"
-        )
