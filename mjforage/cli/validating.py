@@ -18,12 +18,13 @@ def validate(vessel: str, /) -> None:
     vessel
         A vessel (see `mjforage vessels`) or path of a TOML file.
     """
+    from mjforage.physics.mission_trial import mission_measures
     from mjforage.physics.run_warnings import vessel_warnings
     from mjforage.physics.vessel_checks import formatted, measures_of
     from mjforage.physics.vessels import load_vessel
 
     loaded = load_vessel(vessel)
-    measures = measures_of(loaded)
+    measures = [*measures_of(loaded), *mission_measures(vessel)]
     table = Table("check", "measured", "limit", "result", box=None, pad_edge=False)
     for measure in measures:
         value = f"{formatted(measure.value)} {measure.unit}".strip()

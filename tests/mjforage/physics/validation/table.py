@@ -13,6 +13,7 @@ from tests.mjforage.physics.validation import (
     contact_checks,
     drift_checks,
     manoeuvre_checks,
+    mission_checks,
     motion_checks,
     random_minutes,
     repeat_checks,
@@ -21,8 +22,8 @@ from tests.mjforage.physics.validation import (
 from tests.mjforage.physics.validation.measures import CHECKS, utilisation
 
 MODULES = (
-    *(contact_checks, drift_checks, manoeuvre_checks, motion_checks, random_minutes),
-    *(repeat_checks, weather_checks),
+    *(contact_checks, drift_checks, manoeuvre_checks, mission_checks, motion_checks),
+    *(random_minutes, repeat_checks, weather_checks),
 )
 """Modules that register checks."""
 
