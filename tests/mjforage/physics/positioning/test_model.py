@@ -105,6 +105,25 @@ def test_vessels_steer_by_measured_headings() -> None:
     assert off[0] < 0.35 < 2.0 < off[1]
 
 
+def test_foragers_seek_items_where_cameras_saw_them_from_measured_positions() -> None:
+    """Who thinks it is 0.9 m too far east takes them to be as far east, and goes for them there."""
+    camera = ("camera_noise_m=1e-6", "camera_range_noise_per_m=0", "camera_fov_deg=360")
+    own = ("sensors.camera_range_m=100", "physics.capture=intake", "team.foragers.count=1")
+    frames = (*(f"sensors.{each}" for each in camera), *own, "team.scouts.count=0")
+    mission = staying("shifted(east=0.9)", *frames, "items.covariance_node2=0.5")
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, MujocoDynamics)
+    true, state = dynamics._simulation.item_xy, dynamics._pilot._fleets.state
+    off = dynamics._known()[:, 0] - true
+    np.testing.assert_allclose(np.nanmedian(off, axis=1), np.tile((0.9, 0.0), (3, 1)), atol=0.02)
+    for name in ("item", "next"):
+        for e in np.flatnonzero(np.isfinite(state[f"{name}_x"][:, 0])):
+            goal = np.array([state[f"{name}_x"][e, 0], state[f"{name}_y"][e, 0]])
+            nearest = (goal - true[e])[np.argmin(np.hypot(*(goal - (0.9, 0.0) - true[e]).T))]
+            np.testing.assert_allclose(nearest, (0.9, 0.0), atol=0.1)
+    assert np.isfinite(state["item_x"]).any() or np.isfinite(state["next_x"]).any()
+
+
 def test_an_exact_filter_steers_as_well_as_exact_measurements() -> None:
     pose, node = poses(staying("gnss", "sensors.latency_s=0.3"))
     assert np.hypot(*(pose[:, :2] - node).T).max() < 0.35

@@ -50,16 +50,13 @@ def begun(weather: Weather, **tables: Any) -> tuple[UnsteeredDynamics, Transitio
     """
     role, water = Role(count=1, moves=1, radius=1.0, collects=False), np.ones(WATER, np.bool_)
     water[QUAY] = False
-    setup = by_hand(
-        water,
-        map=MapChoice("sea", pitch_m=PITCH_M, starts=((5, 10), (5, 30))),
-        team=dict.fromkeys(FLEET, role),
-        period_s=PERIOD_S,
-        items=Items(mean=len(PLACES), std=0.0),
-        weather=weather,
-        physics=Physics(vessels={name: name for name in FLEET}, item_classes=CLASSES),
-        **tables,
-    )
+    own = {
+        "map": MapChoice("sea", pitch_m=PITCH_M, starts=((5, 10), (5, 30))),
+        "team": dict.fromkeys(FLEET, role),
+        "items": Items(mean=len(PLACES), std=0.0),
+        "physics": Physics(vessels={name: name for name in FLEET}, item_classes=CLASSES),
+    }
+    setup = by_hand(water, weather=weather, period_s=PERIOD_S, **(own | tables))
     dynamics = UnsteeredDynamics(setup.graph, setup.fleet, setup.scenario)
     initial, rc = setup.create_initial_state(KEYS), np.tile(PLACES, (len(KEYS), 1, 1))
     node = setup.graph.node_of_cell[tuple(np.moveaxis(rc.astype(int), -1, 0))]
