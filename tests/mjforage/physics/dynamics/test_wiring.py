@@ -21,7 +21,7 @@ from mjforage.physics.worlds import create_mission
 from mjforage.scenario.roles import Role
 from mjforage.scenario.scenario import Physics, Scale, Weather
 from tests.mjforage.physics.dynamics.test_mujoco_dynamics import setup_of
-from tests.mjforage.physics.validation.mission_checks import FLEET, KEYS, advance, begun
+from tests.mjforage.physics.validation.mission_checks import FLEET, KEYS, WEST, advance, begun
 
 OWN = {name: name for name in FLEET}  # vessels of the teams
 CALM = Weather(drift_node_per_step=0.0, noise_node_per_step=0.0)
@@ -84,6 +84,16 @@ def test_hulls_draw_power_for_their_own_thrusters_in_their_own_water(scale: Scal
     assert (state.work[:, 1] > 2.0 * state.work[:, 0]).all() and np.ptp(state.work[:, 1]) > 100.0
 
 
+def test_hulls_move_by_the_scenarios_factors() -> None:
+    """Twice the windage takes them farther before the wind, at most twice as far."""
+    ways = []
+    for scale in (Scale(), Scale(windage=2.0)):
+        dynamics, state = begun(WEST, physics=Physics(vessels=OWN, scale=scale))
+        advance(dynamics, state)
+        ways.append(state.distance.copy())
+    assert (ways[1] > 1.3 * ways[0]).all() and (ways[1] < 2.0 * ways[0]).all()
+
+
 @pytest.mark.parametrize("hull", [0, 1])
 def test_who_gives_way_is_blocked_and_nobody_else(hull: int) -> None:
     """Both lie still beside where they are sent; pilots say which one lets others pass."""
@@ -95,6 +105,15 @@ def test_who_gives_way_is_blocked_and_nobody_else(hull: int) -> None:
     dynamics.place(dynamics._motion.pose + np.array([3.0, 0.0, 0.0]))
     advance(dynamics, state)
     np.testing.assert_array_equal(state.outcome, np.where(way, BLOCKED, LATE))
+
+
+@pytest.mark.parametrize("hull", [0, 1])
+def test_who_has_no_legal_move_is_blocked_and_nobody_else(hull: int) -> None:
+    dynamics, state = begun(WEST)
+    no_move = np.zeros((len(KEYS), 2), np.bool_)
+    no_move[:, hull] = True
+    advance(dynamics, state, no_move)
+    np.testing.assert_array_equal(state.outcome, np.where(no_move, BLOCKED, LATE))
 
 
 def test_an_episode_that_is_over_stays_as_it_is() -> None:

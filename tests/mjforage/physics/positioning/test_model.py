@@ -88,6 +88,8 @@ def test_vessels_steer_by_measured_positions(east: float) -> None:
     pose, node = poses(mission)
     assert np.abs(pose[:, 0] + east - node[:, 0]).max() < 0.35
     assert np.abs(pose[:, 1] - node[:, 1]).max() < 0.35
+    true = mission.setup.graph.row_column(pose[:, :2])  # what the mission goes on from
+    np.testing.assert_array_equal(mission.state.agent_rc[:, 0], true)
 
 
 def test_vessels_steer_by_measured_velocities() -> None:

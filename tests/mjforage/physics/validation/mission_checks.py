@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import STAY
@@ -64,12 +65,14 @@ def begun(weather: Weather, **tables: Any) -> tuple[UnsteeredDynamics, Transitio
     return dynamics, dynamics.reset(initial, KEYS, ["0", "1"])
 
 
-def advance(dynamics: UnsteeredDynamics, state: Transition) -> Float64Array:
+def advance(
+    dynamics: UnsteeredDynamics, state: Transition, no_move: NDArray[np.bool_] | None = None
+) -> Float64Array:
     """Send all hulls to where they started; (episode, hull) fastest impact [m/s]."""
     still, target = np.zeros(state.agent_node.shape, np.int8), state.agent_node.copy()
-    impact = np.zeros(still.shape)
+    impact, blocked = np.zeros(still.shape), still > 0 if no_move is None else no_move
     for step in range(1, DECISIONS + 1):
-        moves = Moves(still + np.int8(STAY), target, still, still > 0)
+        moves = Moves(still + np.int8(STAY), target, still, blocked)
         dynamics.advance(np.ones(len(KEYS), np.bool_), np.full(len(KEYS), step, np.int32), moves)
         impact = np.maximum(impact, state.impact)
     return impact
