@@ -8,7 +8,8 @@ from mjforage.controllers import Chart, Pilot
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 
-MODELS = [vessel_model(load_vessel(name)) for name in ("scout", "forager")]
+VESSELS = [load_vessel(name) for name in ("scout", "forager")]
+MODELS = [vessel_model(vessel) for vessel in VESSELS]
 CHART = Chart(np.ones((6, 6), np.bool_), 4.0)
 Commands = NDArray[np.float64]
 
@@ -113,3 +114,31 @@ def test_who_goes_ahead_gives_way_to_what_lies_ahead(other: float, gives_way: bo
     pilot.order(active, pose[..., :2].copy(), to, np.array([[False, True]]))
     pilot.command(active, pose, np.array([[[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]]))
     assert pilot.giving_way.tolist() == [[gives_way, False]]
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_vessels_far_from_each_other_are_steered_each_as_if_alone(order: tuple[int, int]) -> None:
+    """Under way, then kept by a quay to the north for half a minute, each by its own model."""
+    water = np.ones((5, 60), np.bool_)
+    water[0] = False
+    chart, models = Chart(water, 4.0), [MODELS[v] for v in order]
+    fleet, ones = Pilot(models, chart, 1), [Pilot([model], chart, 1) for model in models]
+    begin, active = np.array([[[8.0, 8.0], [208.0, 8.0]]]), np.ones(1, np.bool_)
+    to, stay = begin + np.array([8.0, 4.0]), np.zeros((1, 2), np.bool_)
+    fleet.order(active, begin, to, stay)
+    for v, one in enumerate(ones):
+        one.order(active, begin[:, v : v + 1], to[:, v : v + 1], stay[:, :1])
+    own = [VESSELS[v] for v in order]
+    yaw, held = 0.4, np.zeros(2)
+    wide = np.array([v.length_m * np.sin(yaw) + v.beam_m * np.cos(yaw) for v in own]) / 2.0
+    for tick in range(300):
+        pose = np.full((1, 2, 3), yaw)
+        pose[..., 0] = begin[..., 0] + 0.06 * min(tick, 60)
+        pose[..., 1] = np.minimum(8.0 + 0.1 * tick, 14.0 - wide)
+        velocity = np.full((1, 2, 3), 0.0 if tick > 60 else 0.5)
+        told = fleet.command(active, pose, velocity)
+        for v, one in enumerate(ones):
+            alone = one.command(active, pose[:, v : v + 1], velocity[:, v : v + 1])
+            np.testing.assert_array_equal(alone[:, 0], told[:, v], f"tick {tick}, vessel {v}")
+        held = np.maximum(held, fleet._fleets.state["held_s"][0])
+    assert (held > 9.9).all()

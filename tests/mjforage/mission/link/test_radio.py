@@ -1,11 +1,13 @@
 """The link in missions: what is received when, by whom, and that nothing else is known."""
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.exchange import Ideal
+from mjforage.mission.link.propagation import two_ray_loss_db
 from mjforage.mission.mission import Mission
 from mjforage.mission.task import Observation, Task
 from tests.mjforage.mission.link.nets import DISK, advanced, setup_of, started
@@ -41,6 +43,33 @@ def test_a_disk_ends_at_its_range_and_at_walls() -> None:
                 if i != j and not land[min(rows[i], rows[j]) : max(rows[i], rows[j])].any()
             )
         assert contacts == near, received
+
+
+def test_a_link_is_of_the_antennas_of_its_two_ends() -> None:
+    """Scouts' at 0.5 m, foragers' at 3 m: two rays over the ways between them."""
+    heights = ("team.scouts.antenna_m=0.5", "team.foragers.antenna_m=3", "items.mean=5")
+    mission, radio = started(setup_of('link.model="two-ray"', *heights), 1)
+    at, graph, link = mission.state.agent_node[0], mission.setup.graph, mission.setup.scenario.link
+    antenna = np.where(mission.setup.fleet.collects, 3.0, 0.5)
+    for i in range(4):
+        for j in range(i):
+            rows, cols = (np.ptp(each[at[[i, j]]]) for each in (graph.rows, graph.cols))
+            d = 4.0 * float(np.hypot(rows, cols))
+            loss = two_ray_loss_db(d, antenna[i], antenna[j], link.frequency_hz)
+            expected = link.tx_dbm - link.floor_dbm - loss
+            assert radio.net.contacts.snr_db[0, i, j] == pytest.approx(expected)
+            assert radio.net.contacts.snr_db[0, j, i] == pytest.approx(expected)
+
+
+def test_what_is_lost_in_decisions_adds_up_to_all_that_is_lost() -> None:
+    mission, radio = started(setup_of(DISK, "link.range_m=80", "link.loss=0.5"), 2)
+    policy, lost = create_policy("random"), radio.link_log.lost_now.sum(axis=(1, 2))
+    mission.prepare(policy)
+    for _ in range(8):
+        mission.advance(mission.ask(policy))
+        lost = lost + radio.link_log.lost_now.sum(axis=(1, 2))
+    np.testing.assert_array_equal(lost, radio.link_log.lost)
+    assert (lost > 10).all()
 
 
 def test_a_filtered_map_is_of_all_scans_that_its_owner_has_received_each_once() -> None:

@@ -8,11 +8,14 @@ from mjforage.controllers import Chart
 from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.tracks import (
     FORGET_S,
+    JERK_M2PS3,
     RADIUS_M,
+    SPEED_MPS,
     ItemTracks,
     LandGrid,
     afloat,
     look_out,
+    note_sighting,
     tracked,
 )
 from mjforage.scenario.scenario import Sensors
@@ -87,6 +90,29 @@ def test_the_error_falls_below_that_of_a_sighting_and_a_drift_is_learnt() -> Non
         assert 0.09 < np.sqrt(np.mean(first**2)) < 0.13
         assert np.sqrt(np.mean(last**2)) < 0.07
         assert np.abs(last.mean(axis=0)).max() < 0.02
+
+
+def test_a_track_is_a_kalman_filter() -> None:
+    """Against P = F P F' + Q, K = P H' / (H P H' + R) in matrices, over eight sightings."""
+    tracks = ItemTracks.of(camera_of(REAL, 2, 2), 2, np.zeros((1, 1), np.int32))
+    rng, state, p = np.random.default_rng(0), np.zeros((2, 2)), np.zeros((2, 2))
+    tick = 0
+    for k, ticks in enumerate((0, 2, 2, 8, 2, 30, 4, 2)):
+        tick, t, var = tick + ticks, STEP_S * ticks, 0.01 * (1 + k % 3)
+        seen = np.array(drifting(STEP_S * tick)) + rng.normal(0.0, np.sqrt(var), 2)
+        note_sighting(tracks, OPEN, (0, 1, 0), tick, t, seen[0], seen[1], var)
+        if k == 0:
+            state[0], p = seen, np.diag([var, SPEED_MPS**2])
+        else:
+            f = np.array([[1.0, t], [0.0, 1.0]])
+            q = JERK_M2PS3 * np.array([[t**3 / 3, t**2 / 2], [t**2 / 2, t]])
+            state, p = f @ state, f @ p @ f.T + q
+            gain = p[:, 0] / (p[0, 0] + var)
+            state = state + np.outer(gain, seen - state[0])
+            p = p - np.outer(gain, p[0])
+        np.testing.assert_allclose(tracks.xy[0, 1, 0], state[0], rtol=1e-9)
+        np.testing.assert_allclose(tracks.velocity[0, 1, 0], state[1], rtol=1e-9)
+        np.testing.assert_allclose(tracks.spread[0, 1, 0], p[[0, 0, 1], [0, 1, 1]], rtol=1e-9)
 
 
 def test_it_is_held_while_out_of_view_drifts_on_and_is_forgotten() -> None:

@@ -114,3 +114,34 @@ def test_more_items_near_vessels_than_bodies_can_be_are_refused(
     sim = scattered(BASIN, Integrator.FAST, ALWAYS, monkeypatch, bodies=4)
     with pytest.raises(UserError, match=r"physics: 60 items within .* at most 12 .*items = graph"):
         sim.step(1)
+
+
+@BOTH
+def test_each_item_goes_with_its_own_wind_and_water(integrator: Integrator) -> None:
+    """Of six beside a hull, which have bodies, and six far away; one of each is not there.
+
+    From rest an item sets out along a |W| W + b |c| c.
+    """
+    scene = build_scene([load_vessel("scout")], items=8)
+    simulation, rng = (
+        Simulation(scene, 2, integrator=integrator, items=12),
+        np.random.default_rng(4),
+    )
+    xy = np.array([(0.25 * k - 0.6, 0.9 + 20.0 * (k > 5)) for k in range(12)])
+    kind = np.tile(np.arange(12) % len(scene.classes), (2, 1))
+    kind[0, [0, 7]] = kind[1, [2, 6]] = -1
+    simulation.place_items(xy, kind)
+    wind, water = rng.normal(0.0, 3.0, (2, 12, 2)), rng.normal(0.0, 0.2, (2, 12, 2))
+    simulation.item_wind[:], simulation.item_water[:] = wind, water
+    simulation.step()
+    assert (simulation._afloat.active.sum(axis=1) == 5).all()
+    air, by_water = (
+        np.array([getattr(each, name) for each in scene.classes])[kind, None]
+        * np.linalg.norm(flow, axis=-1, keepdims=True)
+        * flow
+        for name, flow in (("air", wind), ("water", water))
+    )
+    course = np.arctan2(*np.moveaxis(air + by_water, -1, 0)[::-1])
+    gone = np.arctan2(*np.moveaxis(simulation.item_velocity, -1, 0)[::-1])
+    off = np.angle(np.exp(1j * (gone - course)))[kind >= 0]
+    assert np.abs(off).max() < 0.05

@@ -1,6 +1,7 @@
 """Queries: determinism in any company, the paper's drift, directions, gust statistics."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -96,6 +97,16 @@ def test_wind_and_current_are_drawn_each_for_itself() -> None:
     drawn = at_sea(WeatherSettings(wind_speed_mps=1.0, current_speed_mps=1.0, **anywhere), 3000)
     cosine = (drawn.mean_wind_mps * drawn.mean_current_mps).sum(axis=1)
     assert abs(cosine.mean()) < 4 * math.sqrt(0.5 / 3000)
+
+
+def test_gusts_wander_and_items_water_are_drawn_each_for_itself() -> None:
+    weather = replace(EVERYTHING, circulation_mps=0.0, wind_toward_deg=0.0, current_toward_deg=0.0)
+    drawn, here = at_sea(replace(weather, drawn_drift_mps=0.0), 3000), np.zeros((3000, 1, 2))
+    gust = drawn.wind(0.0, here)[:, 0] - drawn.mean_wind_mps
+    wander = drawn.current(0.0, here)[:, 0] - drawn.mean_current_mps
+    columns = np.concatenate((gust, wander, drawn.item_noise(0.0, 1)[:, 0]), axis=1)
+    between = np.corrcoef(columns.T) - np.eye(6)
+    assert np.abs(between).max() < 4.5 / math.sqrt(3000)
 
 
 def paper_world(episodes: int) -> tuple[InitialState, Field]:
