@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from mjforage.controllers.allocation import command_for
 from mjforage.controllers.navigation import MARGIN, Navigator, SensorErrors
 from mjforage.controllers.state import STATE
-from tests.controllers.plant import SCOUT
+from tests.controllers.plant import FORAGER, SCOUT
 
 FloatArray = NDArray[np.float64]
 MODELS = np.array([SCOUT])
@@ -204,3 +204,24 @@ def test_episodes_are_independent_and_forgotten_alone() -> None:
     navigator.reset(np.array([0]))
     assert (navigator.filters.ticks[:, 0] == [0, 5, 0]).all()
     assert all((each[0] == 0).all() for each in navigator.filters)
+
+
+@pytest.mark.parametrize("one", [0, 1])
+def test_each_vessel_of_a_fleet_has_a_filter_of_its_own(one: int) -> None:
+    """Of two unlike vessels with other tracks, fixes and thrusts each is told what it is alone."""
+    models, errors = np.array([SCOUT, FORAGER]), ERRORS._replace(latency=3)
+    runs = track(errors, 60, 2, slice(20, 40))
+    runs.fix[:, 1] = True  # only the first has an outage
+    states = np.zeros((1, 2), STATE), np.zeros((1, 1), STATE)
+    both = Navigator(errors, models, states[0])
+    alone, active = Navigator(errors, models[one : one + 1], states[1]), np.ones(1, np.bool_)
+    for k in range(60):
+        for name, share in (("port", 0.2), ("starboard", 0.4)):
+            states[0][name] = share * models["command_high"] * np.cos(0.1 * k)
+            states[1][name] = states[0][name][:, one : one + 1]
+        now = [each[k][None] for each in (runs.seen, runs.velocity, runs.fix)]
+        told = both.update(active, *now)
+        own = alone.update(active, *(each[:, one : one + 1] for each in now))
+        for mine, theirs in zip(own, told, strict=True):
+            np.testing.assert_array_equal(mine[:, 0], theirs[:, one])
+    assert states[1]["margin"] == states[0]["margin"][:, one]
