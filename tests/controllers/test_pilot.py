@@ -142,3 +142,32 @@ def test_vessels_far_from_each_other_are_steered_each_as_if_alone(order: tuple[i
             np.testing.assert_array_equal(alone[:, 0], told[:, v], f"tick {tick}, vessel {v}")
         held = np.maximum(held, fleet._fleets.state["held_s"][0])
     assert (held > 9.9).all()
+
+
+@pytest.mark.parametrize("one", [0, 1])
+def test_of_two_vessels_each_chooses_ways_and_items_by_its_own_model(one: int) -> None:
+    """From random headings to nodes beside a quay, for items there, and put off them at the end."""
+    rng, n = np.random.default_rng(2), 60
+    water = np.ones((5, 60), np.bool_)
+    water[0] = False
+    fleet, alone = (
+        Pilot(models, Chart(water, 4.0), n) for models in (MODELS, MODELS[one : one + 1])
+    )
+    begin = np.array([[8.0, 8.0], [208.0, 8.0]]) + np.zeros((n, 2, 2))
+    to = begin + 4.0 * rng.integers(-1, 2, (n, 2, 2))
+    item = np.where(rng.random((n, 2, 1)) < 0.5, to + rng.uniform(-1.8, 1.8, to.shape), np.nan)
+    yaw, drift = rng.uniform(-3.0, 3.0, (n, 2)), rng.uniform(-0.2, 0.2, (n, 2, 2))
+    active, stay, own = np.ones(n, np.bool_), (to == begin).all(axis=-1), slice(one, one + 1)
+    fleet.order(active, begin, to, stay)
+    alone.order(active, begin[:, own], to[:, own], stay[:, own])
+    pose, velocity = np.zeros((n, 2, 3)), np.zeros((n, 2, 3))
+    for tick in range(120):
+        gone = min(tick / 60.0, 1.0) if tick < 90 else 0.4
+        pose[..., :2], pose[..., 2] = begin + gone * (to - begin), yaw
+        velocity[..., :2] = drift + (to - begin) / 6.0 * (tick < 60)
+        fleet.collect(item)
+        alone.collect(item[:, own])
+        told = fleet.command(active, pose, velocity)
+        np.testing.assert_array_equal(
+            alone.command(active, pose[:, own], velocity[:, own]), told[:, own]
+        )

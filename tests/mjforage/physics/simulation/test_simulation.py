@@ -156,3 +156,12 @@ def test_warnings_are_suppressed_until_the_last_has_left() -> None:
     assert mujoco.get_mju_user_warning() is not None
     second.close()
     assert mujoco.get_mju_user_warning() is None
+
+
+@pytest.mark.parametrize("integrator", Integrator)
+def test_vessels_are_where_they_are_placed_with_way_on_too(integrator: Integrator) -> None:
+    simulation = Simulation(build_scene([load_vessel("otter")]), integrator=integrator)
+    pose, velocity = np.array([[[3.0, -2.0, 0.7]]]), np.array([[[1.5, -0.4, 0.3]]])
+    simulation.place_vessels(pose, velocity)
+    np.testing.assert_allclose(simulation.vessel_pose, pose, atol=1e-12)
+    np.testing.assert_array_equal(simulation.vessel_velocity, velocity)
