@@ -41,7 +41,7 @@ def _own(dispatcher: Any) -> tuple[str, Called]:
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     parts = [
         f"{function.__module__}.{function.__qualname__}",
-        repr(sorted(getattr(dispatcher, "targetoptions", {}).items())),
+        repr([(name, _in_order(it)) for name, it in sorted(_options(dispatcher).items())]),
         *_code(function.__code__, function.__doc__),
         *(_value(value, called) for value in (function.__defaults__, *cells)),
     ]
@@ -58,7 +58,16 @@ def _code(code: CodeType, doc: str | None) -> Iterator[str]:
         if isinstance(constant, CodeType):
             yield from _code(constant, None)
         elif constant is None or constant != doc:
-            yield repr(sorted(constant) if isinstance(constant, frozenset) else constant)
+            yield repr(_in_order(constant))
+
+
+def _options(dispatcher: Any) -> dict[str, Any]:
+    return cast(dict[str, Any], getattr(dispatcher, "targetoptions", {}))
+
+
+def _in_order(value: Any) -> Any:
+    """A set as a list: its own order is another one in every process."""
+    return sorted(value) if isinstance(value, set | frozenset) else value
 
 
 def _read(function: FunctionType) -> Iterator[tuple[str, Any]]:
@@ -95,7 +104,7 @@ def _value(value: Any, called: list[Any]) -> str:
         return f"{value.dtype.descr} {value.shape} {value.tobytes().hex()}"
     if definition := getattr(value, "_defn", None):  # an intrinsic of numba's
         return _value(definition, called)
-    text = repr(value)
+    text = repr(_in_order(value))
     return type(value).__qualname__ if " at 0x" in text else text
 
 

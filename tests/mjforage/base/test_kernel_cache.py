@@ -131,6 +131,19 @@ def test_a_kernel_is_not_compiled_again_for_what_it_does_not_depend_on(
     assert ask(tmp_path, compiled) == (FIRST, True)
 
 
+@pytest.mark.parametrize("hash_seed", ["0", "1"])  # for which the two flags change places
+def test_the_order_of_a_set_is_no_part_of_a_kernel(hash_seed: str) -> None:
+    source = (
+        "from mjforage.base.kernel_content import content\n"
+        "from mjforage.graph_planner.belief_planner.routes import _rest_roughly\n"
+        "print(content(_rest_roughly))"
+    )
+    environment = os.environ | {"PYTHONHASHSEED": hash_seed}
+    command = [sys.executable, "-c", source]
+    said = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert "('fastmath', ['contract', 'reassoc'])" in said.stdout
+
+
 def test_a_spoilt_file_is_compiled_anew(compiled: Path, tmp_path: Path) -> None:
     written(tmp_path)
     for path in compiled.rglob("flotilla*.nbc"):
