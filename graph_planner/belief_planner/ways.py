@@ -92,25 +92,6 @@ def search_back(
 
 
 @kernel
-def search_on(ends: Int32Array, start: int, row: UInt16Array) -> None:
-    """Fill a row (node,) with the decisions from a node to every other, breadth first."""
-    row[:] = UNREACHED
-    queue = np.empty(row.size, np.int32)
-    row[start], queue[0] = 0, start
-    first, last = 0, 1
-    while first < last:
-        node = queue[first]
-        first += 1
-        there = min(np.int64(row[node]) + 1, np.int64(UNREACHED) - 1)
-        for move in range(STAY):
-            end = ends[node, move]
-            if end >= 0 and row[end] == UNREACHED:
-                row[end] = there
-                queue[last] = end
-                last += 1
-
-
-@kernel
 def row_to(ways: Ways, node: int) -> int:
     """Number of the row of `decisions` that leads to a node; searched if it is not kept.
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import tomli_w
@@ -23,14 +23,8 @@ from mjforage.physics.vessels import Vessel
 from mjforage.scenario import scenario_file
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
-from mjforage.scenario.maps import (
-    GridMap,
-    load_map,
-)
+from mjforage.scenario.maps import GridMap, load_map
 from mjforage.scenario.scenario import Scenario as Settings
-
-if TYPE_CHECKING:
-    pass
 
 VAR_KEYWORD = Parameter.VAR_KEYWORD
 

@@ -4,8 +4,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from mjforage.base.toml_files import read_toml
 from mjforage.runs.studies.study import Variant
 from mjforage.runs.studies.variants import COMPLETE
+from mjforage.scenario.assets import models_folder
 from mjforage.scenario.scenario import Scenario
 
 OWN = "own"
@@ -20,7 +22,7 @@ class Point:
     variant: str = COMPLETE  # its name; several axes may share one
     title: str = ""  # in tables
     changes: Mapping[str, Any] = field(default_factory=dict)  # as of `changed`
-    policies: tuple[str, ...] = ()  # of those of the study, who play it; empty: all
+    policies: Sequence[str] = ()  # of those of the study, who play it; empty: all
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Axis:
     label: str  # with its unit, below the axis
     heading: str  # above rows of a table
     lines: Mapping[str, tuple[Point, ...]]  # what they are called: their points, values ascending
-    ticks: Mapping[float, str] = field(default_factory=dict)  # values that have a name
+    ticks: Mapping[str, str] = field(default_factory=dict)  # names of values, such as inf
     even: bool = True  # values as far apart as their places in the list
     against: str = COMPLETE  # variant that points are compared with
 
@@ -52,7 +54,19 @@ class Axis:
 
     def tick(self, value: float) -> str:
         """A value in words."""
-        return self.ticks.get(value, f"{value:g}")
+        text = f"{value:g}"
+        return self.ticks.get(text, text)
+
+
+def axes_of(kind: str, table: str = "axes") -> tuple[Axis, ...]:
+    """Axes of a kind of study, as `models/studies` has them."""
+    file = models_folder() / "studies" / f"{kind}.toml"
+    found = []
+    for entry in read_toml(file, str(file))[table]:
+        lines = entry.pop("lines").items()
+        drawn = {name: tuple(Point(**point) for point in line) for name, line in lines}
+        found.append(Axis(lines=drawn, **entry))
+    return tuple(found)
 
 
 def changed(value: Any, changes: Mapping[str, Any]) -> Any:
