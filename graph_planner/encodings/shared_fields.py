@@ -18,10 +18,7 @@ from mjforage.graph_planner.encodings.samples import (
 )
 from mjforage.graph_planner.encodings.unseen import Unseen, list_nodes, nearest_is_itself
 from mjforage.graph_planner.encodings.ways import ItemWays, find_ways
-from mjforage.graph_planner.graph.geodesics import (
-    Int32Array,
-    distances_to_nearest,
-)
+from mjforage.graph_planner.graph.geodesics import Int32Array, distances_to_nearest
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policy_parts.seeking import longest_move, possible_targets

@@ -53,11 +53,7 @@ def manoeuvre(
         Figure to write.
     """
     from mjforage.base.atomic_files import atomic_write
-    from mjforage.physics.manoeuvre import (
-        check_file,
-        key_figures,
-        write_trajectory,
-    )
+    from mjforage.physics.manoeuvre import check_file, key_figures, write_trajectory
     from mjforage.physics.manoeuvre import manoeuvre as run
     from mjforage.view.figures.manoeuvre_plot import check_plot, manoeuvre_figure
 

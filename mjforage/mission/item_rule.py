@@ -17,11 +17,7 @@ from mjforage.graph_planner.graph.walls import WALLS, into_water, put_back
 from mjforage.mission.capture_chances import Chances
 from mjforage.mission.capture_rule import Stays, collect_by_chance
 from mjforage.mission.dynamics import Transition
-from mjforage.mission.initial_state import (
-    InitialState,
-    item_places,
-    to_symmetric,
-)
+from mjforage.mission.initial_state import InitialState, item_places, to_symmetric
 from mjforage.mission.task import IDLE, TAKEN
 from mjforage.scenario.roles import Fleet
 

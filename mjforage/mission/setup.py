@@ -15,13 +15,7 @@ from mjforage.mission.initial_state import InitialState, create_initial_state, n
 from mjforage.mission.link.reach import reach_m
 from mjforage.mission.moves import Corruption, MoveRules, reachable_share
 from mjforage.mission.task import Task
-from mjforage.scenario.maps import (
-    GridMap,
-    check_starts,
-    grid_of,
-    load_map,
-    load_starts,
-)
+from mjforage.scenario.maps import GridMap, check_starts, grid_of, load_map, load_starts
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.sizes import check_memory, map_bytes, mission_bytes

@@ -24,11 +24,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.registry import ImportSpec, blamed, trust, trusted
 from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policies.registry import POLICIES, add_policy, policies_lent
-from mjforage.mission.scoring import (
-    Scorer,
-    chosen_metrics,
-    import_specs_of,
-)
+from mjforage.mission.scoring import Scorer, chosen_metrics, import_specs_of
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster

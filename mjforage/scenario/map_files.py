@@ -12,13 +12,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import atomic_write
 from mjforage.scenario.assets import named_file, shipped_files
-from mjforage.scenario.map_formats import (
-    DARK,
-    IMAGE_SUFFIXES,
-    LIGHT,
-    read_image,
-    read_table,
-)
+from mjforage.scenario.map_formats import DARK, IMAGE_SUFFIXES, LIGHT, read_image, read_table
 
 WaterIs = Literal["light", "dark"]
 """Cells of a map file that are water."""

@@ -16,13 +16,7 @@ from mjforage.mission.scoring.known import (
     import_specs_of,
     metric,
 )
-from mjforage.mission.scoring.metric import (
-    Batch,
-    Description,
-    Metric,
-    StepView,
-    description,
-)
+from mjforage.mission.scoring.metric import Batch, Description, Metric, StepView, description
 from mjforage.mission.scoring.scoring import Scorer, Scores, score
 
 __all__ = [

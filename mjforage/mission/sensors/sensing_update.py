@@ -39,24 +39,11 @@ def _sense_perfectly(
     taken_by: NDArray[np.int16],
 ) -> None:
     """Discretise, scan, credit."""
-    active, step = scans.active, scans.step
-    views, radius_number, credit_order = (
-        config.views,
-        config.radius_number,
-        config.credit_order,
-    )
-    count(active, step, item_node, taken_by, ledger)
+    views, radius_number = config.views, config.radius_number
+    count(scans.active, scans.step, item_node, taken_by, ledger)
     receive(scans, config.all_received, views, radius_number, knowledge)
-    credit(
-        scans,
-        knowledge,
-        credit_order,
-        views,
-        radius_number,
-        config.in_view,
-        config.found,
-        ledger,
-    )
+    about = config.credit_order, views, radius_number, config.in_view, config.found
+    credit(scans, knowledge, *about, ledger)
 
 
 @kernel

@@ -29,18 +29,8 @@ from mjforage.base.errors import UserError
 from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.physics.weather.settings import WeatherSettings
-from mjforage.physics.weather.stream_element import (
-    EAST,
-    NORTH,
-    TURN,
-    FloatArray,
-    stream_velocity,
-)
-from mjforage.physics.weather.stream_solver import (
-    shore_unknowns,
-    still_unknowns,
-    stream_functions,
-)
+from mjforage.physics.weather.stream_element import EAST, NORTH, TURN, FloatArray, stream_velocity
+from mjforage.physics.weather.stream_solver import shore_unknowns, still_unknowns, stream_functions
 
 FINEST = 3  # elements along a cell
 LAYER = 0.5  # L, width of the layer at quays [cell]; an estimate, half the narrowest corridor

@@ -12,13 +12,7 @@ from mjforage.base.references import nearest
 from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette
 from mjforage.view.render.cameras import CAMERAS
-from mjforage.view.render.film_frame import (
-    EpisodeView,
-    FilmFrame,
-    MapView,
-    check_beside,
-    shape_of,
-)
+from mjforage.view.render.film_frame import EpisodeView, FilmFrame, MapView, check_beside, shape_of
 from mjforage.view.render.layout import Box, Layout, frame_layout
 from mjforage.view.render.panel import sign_words
 from mjforage.view.render.seen_by import EVERYBODY

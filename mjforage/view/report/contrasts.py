@@ -16,13 +16,7 @@ from mjforage.view.report.cells import (
     row,
     summary_cell,
 )
-from mjforage.view.report.differences import (
-    Difference,
-    corrected,
-    family_note,
-    judged,
-    set_apart,
-)
+from mjforage.view.report.differences import Difference, corrected, family_note, judged, set_apart
 from mjforage.view.report.run_logs import Case, FloatArray
 
 SAME = "Mean difference over the same episodes, with its bootstrap 95 % interval of itself alone"

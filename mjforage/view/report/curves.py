@@ -16,6 +16,7 @@ from mjforage.view.page.figure import WIDTH_IN, Panel, ReportFigure, canvas, mat
 from mjforage.view.report.cells import NORMAL_95
 from mjforage.view.report.run_logs import Case, FloatArray, RunLogs
 from mjforage.view.report.step_means import COUNT, STD
+from mjforage.view.report.words import WORDS
 
 MARKS = 8  # on a line
 
@@ -54,62 +55,8 @@ class Arrangement(NamedTuple):
     words: str  # definitions
 
 
-ARRANGED = (
-    Arrangement(
-        "pta",
-        "Items discovered and removed",
-        ("pta_d", "pta_c"),
-        "PTA_D: items discovered, PTA_C: items removed, both of all K items of the episode.",
-    ),
-    Arrangement(
-        "idleness",
-        "Idleness and how fast it falls",
-        ("mi", "irr"),
-        "MI: mean over the navigable nodes of the idleness, which grows by 1/(0.9 T) per step "
-        "and is 0 where any agent sees; IRR: the fall of MI from one step to the next.",
-    ),
-    Arrangement(
-        "rmse",
-        "Error of the believed distribution",
-        ("rmse", "rmse_columns"),
-        "RMSE over the navigable nodes between true and believed counts, both smoothed by a "
-        "Gaussian of one node; RMSE_columns is what the paper printed.",
-    ),
-    Arrangement(
-        "csr",
-        "Cooperative success ratio",
-        ("csr",),
-        "CSR: removed items that a scout had discovered first, of all removed; undefined "
-        "before the first removal.",
-    ),
-    Arrangement(
-        "gini",
-        "Inequality within the teams",
-        ("gini_foragers", "gini_scouts"),
-        "Gini of the items removed per forager and discovered per scout: 0 when all did the same; "
-        "undefined before the first.",
-    ),
-    Arrangement(
-        "overlap",
-        "Coverage overlap within the teams",
-        ("co_scouts", "co_foragers"),
-        "CO: nodes that at least two of the team see, of those that at least one sees.",
-    ),
-    Arrangement(
-        "ages",
-        "Age of information",
-        ("aoi", "position_age"),
-        "AoI: mean over the navigable nodes of the steps since the newest measurement of the node "
-        "that the observer has received, T if none; PA: steps since the newest position that an "
-        "agent has received of a team-mate.",
-    ),
-    Arrangement(
-        "holders",
-        "Disagreement of the agents' maps",
-        ("disagreement", "rmse_holders", "contact"),
-        "Disagreement: RMSE between the maps of two observers, mean over the pairs; RMSE_holders: "
-        "RMSE of an observer's own map; Contact: pairs of agents in reach of each other.",
-    ),
+ARRANGED = tuple(
+    Arrangement(**{**one, "columns": tuple(one["columns"])}) for one in WORDS["figures"]
 )
 """Metrics that the report shows together; one that is in none of them has a figure of its own."""
 

@@ -20,6 +20,7 @@ from mjforage.view.report.sections import Page, Section
 from mjforage.view.report.shown import left_out
 from mjforage.view.report.text_tables import full_table, headline_table, paper_table
 from mjforage.view.report.track_figure import tracks_figure
+from mjforage.view.report.words import WORDS
 
 CASES = 300  # worlds and policies of the headline table on the page
 
@@ -74,27 +75,7 @@ def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
     ]
 
 
-NOTES = (
-    "RMSE is taken over the navigable nodes, as the paper's equation says. The numbers it "
-    "printed are the mean over the map's columns of each column's error, land included, about "
-    "3.8 times smaller on its map; RMSE_columns repeats that.",
-    "CSR is undefined in an episode with nothing removed, which is then left out and counted; "
-    "the printed numbers count it as 0.",
-    "ITL compares the steps of the largest rise of PTA_D and PTA_C, as the printed numbers do; "
-    "ITL_level compares the maxima of the curves themselves, as the paper's text says.",
-    "Idleness is reset by the views of all agents of both teams together. Series of an episode "
-    "that ends early are padded with their last value, also for CO, as in the printed numbers.",
-    "A node is seen at a distance up to and including the sensing radius; the paper's formula "
-    "excludes that distance, its runs include it.",
-    "Staying put is a legal action unless the scenario switches it off; the paper's runs had "
-    "no such action.",
-    "A policy marked (bound) receives the true items and their drift: it is an upper bound, and "
-    "is left out where the best is marked.",
-    "Episode i has the same items, weather and starts for every policy, so differences can be "
-    "paired. In the paper's code the drift noise shared a stream with the policies' own draws.",
-    "Undefined values (–) are left out of means and intervals; n counts what is left. With one "
-    "episode there is no standard error.",
-)
+NOTES = tuple(WORDS["notes"])
 """Notes on numbers of ours that follow another definition than the paper's printed ones."""
 
 

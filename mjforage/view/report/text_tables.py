@@ -28,13 +28,7 @@ from mjforage.view.report.published import (
     elsewhere,
     published_for,
 )
-from mjforage.view.report.run_logs import (
-    UNDEFINED,
-    RunLogs,
-    Summary,
-    case_name,
-    parse_summary,
-)
+from mjforage.view.report.run_logs import UNDEFINED, RunLogs, Summary, case_name, parse_summary
 
 HEADLINE = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "csr", "gini_foragers", "length")
 TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")

@@ -19,13 +19,7 @@ from mjforage.runs.selection import ranks_of, recording_files
 from mjforage.scenario.vessel_files import vessel_names
 from mjforage.view.page import style
 from mjforage.view.report.run_logs import Case, RunLogs
-from mjforage.view.report.web_entry import (
-    IDLE_LEVELS,
-    POSITION_M,
-    WIND_MPS,
-    YAW_RAD,
-    entry_of,
-)
+from mjforage.view.report.web_entry import IDLE_LEVELS, POSITION_M, WIND_MPS, YAW_RAD, entry_of
 
 BUDGET = 2_000_000  # characters of text for all replays of a page, which is to stay below 5 MB
 MOST, MOST_STEPS = 120, 40_000  # episodes that are read for a page, and steps of all of them

@@ -36,12 +36,7 @@ from mjforage.learning.environments.rewards.known import (
     term_class,
 )
 from mjforage.learning.environments.rewards.potentials import Potential
-from mjforage.learning.environments.rewards.presets import (
-    DDQN,
-    PRESETS,
-    PUBLISHED,
-    reward_weights,
-)
+from mjforage.learning.environments.rewards.presets import DDQN, PRESETS, PUBLISHED, reward_weights
 from mjforage.learning.environments.rewards.term import Amounts, Before, Step, Term
 
 __all__ = [

@@ -25,7 +25,7 @@ AXIS = Axis(
         "open": (Point(16.0, "near"), Point(32.0, "far"), Point(math.inf)),
         "walls": (Point(16.0, "walled"),),
     },
-    {math.inf: "any"},
+    {"inf": "any"},
 )
 PTA = {"complete": 90.0, "far": 90.0, "near": 40.0, "walled": 35.0}
 NT90 = {"complete": 0.5, "far": 0.6, "near": 0.9, "walled": 1.0}
