@@ -8,7 +8,7 @@ from pathlib import Path
 import torch
 from safetensors import SafetensorError
 from safetensors.torch import save_file
-from torch import Tensor
+from torch import Tensor, nn
 from torch.optim import Adam
 
 from mjforage.base.atomic_files import atomic_write
@@ -35,7 +35,38 @@ def count_of(tensor: Tensor) -> int:
     return count
 
 
-def restore_moments(optimiser: Adam, state: Mapping[str, Tensor]) -> None:
+def part_of(state: Mapping[str, Tensor], name: str) -> dict[str, Tensor]:
+    """The entries "NAME.KEY" of a state, by their keys."""
+    start = f"{name}."
+    return {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
+
+
+def learner_state(
+    modules: Mapping[str, nn.Module], optimiser: Adam, updates: int
+) -> dict[str, Tensor]:
+    """Modules by name, their optimiser and its count of updates, for a checkpoint."""
+    state = {"updates": torch.tensor(updates)}
+    for name, module in modules.items():
+        state |= {f"{name}.{key}": value for key, value in module.state_dict().items()}
+    for i, moments in optimiser.state_dict()["state"].items():
+        state |= {f"optimiser.{i}.{key}": value for key, value in moments.items()}
+    return {name: value.detach().cpu().contiguous() for name, value in state.items()}
+
+
+def restore_learner(
+    modules: Mapping[str, nn.Module], optimiser: Adam, state: Mapping[str, Tensor]
+) -> int:
+    """Restore the state that `learner_state` gave; returns the count of updates.
+
+    Raises `ValueError` if it is not of such modules.
+    """
+    for name, module in modules.items():
+        module.load_state_dict(part_of(state, name))
+    _restore_moments(optimiser, part_of(state, "optimiser"))
+    return count_of(state["updates"])
+
+
+def _restore_moments(optimiser: Adam, state: Mapping[str, Tensor]) -> None:
     """Give an optimiser back its moments.
 
     Raises `ValueError` if they are not of its parameters.

@@ -21,7 +21,7 @@ from torch import Tensor
 from mjforage.graph_planner.encodings import Shapes
 from mjforage.graph_planner.networks.inference import one_thread, values_of
 from mjforage.graph_planner.networks.q_network import DuelingNetwork
-from mjforage.learning.training.files import count_of, restore_moments
+from mjforage.learning.training.files import learner_state, part_of, restore_learner
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.replay_memory import Batch, ReplayMemory
 
@@ -159,29 +159,17 @@ class Learner:
 
     def tensors(self) -> dict[str, Tensor]:
         """Everything that later updates depend on, for a checkpoint; `restore` takes it back."""
-        state: dict[str, Tensor] = {}
-        for name in NETWORKS:
-            network: DuelingNetwork = getattr(self, name)
-            state |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
-        for i, moments in self.optimiser.state_dict()["state"].items():
-            state |= {f"optimiser.{i}.{key}": value for key, value in moments.items()}
-        for key, array in self.memory.arrays().items():
-            state[f"memory.{key}"] = torch.from_numpy(np.ascontiguousarray(array))
-        state["updates"] = torch.tensor(self.updates)
-        return {name: value.cpu().contiguous() for name, value in state.items()}
+        memory = self.memory.arrays().items()
+        return learner_state(self._modules, self.optimiser, self.updates) | {
+            f"memory.{key}": torch.from_numpy(np.ascontiguousarray(one)) for key, one in memory
+        }
 
     def restore(self, state: Mapping[str, Tensor]) -> None:
         """Restore the state that `tensors` gave."""
+        self.updates = restore_learner(self._modules, self.optimiser, state)
+        memory = part_of(state, "memory").items()
+        self.memory.restore({name: value.numpy() for name, value in memory})
 
-        def part(prefix: str) -> dict[str, Tensor]:
-            return {
-                name.removeprefix(prefix): value
-                for name, value in state.items()
-                if name.startswith(prefix)
-            }
-
-        for name in NETWORKS:
-            getattr(self, name).load_state_dict(part(f"{name}."))
-        restore_moments(self.optimiser, part("optimiser."))
-        self.memory.restore({name: value.numpy() for name, value in part("memory.").items()})
-        self.updates = count_of(state["updates"])
+    @property
+    def _modules(self) -> dict[str, DuelingNetwork]:
+        return dict(zip(NETWORKS, self.networks, strict=True))

@@ -14,6 +14,7 @@ from torch import Tensor
 
 from mjforage.graph_planner.encodings import Shapes
 from mjforage.learning.training.algorithm import Algorithm, teacher_label
+from mjforage.learning.training.files import part_of
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.learner import Learner
 from mjforage.learning.training.progress import Row
@@ -98,9 +99,7 @@ class Trainer(Algorithm[Hyperparameters]):
     def restore(self, state: Mapping[str, Tensor]) -> None:
         """Restore the state that `tensors` gave."""
         for team, learner in self.learners.items():
-            start = f"{team}."
-            own = {n.removeprefix(start): v for n, v in state.items() if n.startswith(start)}
-            learner.restore(own)
+            learner.restore(part_of(state, team))
 
     def _step(self, taught: NDArray[np.bool_] | None) -> Played:
         before, self._present = self._present, self.round.active.copy()

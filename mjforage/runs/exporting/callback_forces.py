@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import reduce
+from importlib import resources
 from importlib.metadata import version
 from typing import Any
 
@@ -18,57 +19,6 @@ from mjforage.scenario.schema import rows
 
 _BODY = ("added_", "linear_", "quadratic_", "yaw_", "lag_")
 _TABLES = ("thruster.", "crossflow.", "windage.", "load.")
-_TEXT = """\
-# Scenario {name} in MuJoCo
-
-Written by mjforage {version} with MuJoCo {mujoco}: {episode}.
-
-| file | content |
-|---|---|
-| `scene.xml` | quays, the map's edge, vessels, items; a keyframe per decision, of {period_s:g} s |
-| `tracks.csv` | every recorded pose: `t_s,vessel,x_m,y_m,yaw_rad`, a frame each {frame_s:g} s |
-
-```python
-import mujoco
-
-model = mujoco.MjModel.from_xml_path("scene.xml")
-data = mujoco.MjData(model)
-mujoco.mj_resetDataKeyframe(model, data, model.key("decision-0").id)
-data.ctrl[model.actuator("{vessel}/port").id] = 20.0  # N
-mujoco.mj_step(model, data)
-```
-
-Units are SI. World axes are x east, y north, z up; yaw is 0 at east, counter-clockwise. Positions
-are those of midships. `qpos` is x, y, yaw of each vessel, then x, y of each item. An item that is
-not on the water lies in a row beyond the south-west corner. Keyframes hold positions, not
-velocities. Numbers in `scene.xml` have six digits. Each vessel NAME has the body `NAME/hull` and
-the motors `NAME/port` and `NAME/starboard`. Their control is the thrust [N].
-
-`scene.xml` has RK4 with steps of {reference_s:g} s, as mjforage's integrator `reference`. The
-scenario itself is stepped with `{integrator}`, in steps of {step_s:g} s; `fast` is Euler with
-forces that are averaged over the step.
-
-## Forces that are not in the scene
-
-mjforage adds these in a passive callback. Without them, only contacts slow a vessel or an item.
-u, v are the velocity of midships relative to the water, ahead and to port, and r is the yaw rate;
-X, Y act ahead and to port, N counter-clockwise. The callback turns them into world axes.
-
-- **Added mass** joins the mass matrix: surge and sway, turned by the yaw, and yaw. With d = sway -
-  surge: X = d v r, Y = d u r, N = -d u v.
-- **Damping**: X = -(linear_surge + quadratic_surge |u|) u, Y the same with v,
-  N = -(linear_yaw (1 + yaw_linear_growth |r|) + quadratic_yaw |r|) r.
-- **Cross-flow**: Y = -1/2 rho Cd T times the integral of |v + x r| (v + x r) over the length x, N
-  the same with x times the integrand.
-- **Wind load**: Blendermann (1994), from the velocity of the air past the vessel, {air:g} kg/m3.
-- **Thrusters**: k n |n| of a propeller's speed n, or the force outside the dead zone, behind a
-  first-order lag of the command. The motors here give their force at once.
-- **Load**: each item aboard adds mass at midships and quadratic drag ahead.
-- **Items**: 1/2 rho C A |w| w of the air ({air:g} kg/m3) and the water ({water:g} kg/m3) that pass
-  at w; added mass. Their contacts are as soft as for MuJoCo's default density, not for their mass.
-
-{vessels}
-{items}"""
 
 
 def readme(setup: Setup, recording: Recording, vessels: Sequence[Vessel]) -> str:
@@ -77,7 +27,8 @@ def readme(setup: Setup, recording: Recording, vessels: Sequence[Vessel]) -> str
     played = f"{policy} in world {recording.world}" if policy else "its start"
     integrator, known = Integrator(choice.integrator), load_debris()
     kinds = [known[k] for k in sorted({*recording.item_class.tolist()} - {-1})]
-    return _TEXT.format(
+    text = resources.files(__package__).joinpath("scene_readme.txt").read_text(encoding="utf-8")
+    return text.rstrip("\n").format(
         name=setup.scenario.name,
         version=version("mjforage"),
         mujoco=mujoco.__version__,

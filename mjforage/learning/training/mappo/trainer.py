@@ -21,7 +21,7 @@ from mjforage.graph_planner.networks.inference import one_thread
 from mjforage.graph_planner.networks.q_network import MoveNetwork
 from mjforage.graph_planner.networks.weights import ACTOR
 from mjforage.learning.training.algorithm import Algorithm, teacher_label
-from mjforage.learning.training.files import count_of, restore_moments
+from mjforage.learning.training.files import learner_state, restore_learner
 from mjforage.learning.training.mappo.critic import Critic
 from mjforage.learning.training.mappo.critic_features import critic_features
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
@@ -172,29 +172,17 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
     def tensors(self) -> dict[str, Tensor]:
         """Actors, critic, norm and optimiser."""
         made = self.updates
-        state: dict[str, Tensor] = {"updates": torch.tensor(made.updates)}
-        for name, module in self._modules():
-            state |= {f"{name}.{key}": value for key, value in module.state_dict().items()}
-        for i, moments in made.optimiser.state_dict()["state"].items():
-            state |= {f"optimiser.{i}.{key}": value for key, value in moments.items()}
-        return {name: value.detach().contiguous() for name, value in state.items()}
+        return learner_state(self._modules, made.optimiser, made.updates)
 
     def restore(self, state: Mapping[str, Tensor]) -> None:
         """Restore the state that `tensors` gave."""
         made = self.updates
-        made.updates = count_of(state["updates"])
-        for name, module in self._modules():
-            start = f"{name}."
-            module.load_state_dict(
-                {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
-            )
-        start = "optimiser."
-        moments = {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
-        restore_moments(made.optimiser, moments)
+        made.updates = restore_learner(self._modules, made.optimiser, state)
 
-    def _modules(self) -> list[tuple[str, nn.Module]]:
+    @property
+    def _modules(self) -> dict[str, nn.Module]:
         made = self.updates
-        return [("actors", made.actors), ("critic", made.critic), ("norm", made.norm)]
+        return {"actors": made.actors, "critic": made.critic, "norm": made.norm}
 
 
 def drawn(
