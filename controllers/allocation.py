@@ -4,30 +4,41 @@ import math
 
 from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped
+from mjforage.controllers.propulsion import moored_thrust, thrust_under_way
 from mjforage.controllers.vessel_model import ModelRecord
 
 LEAD = 0.5  # lag that is left of the thrusters' own
 
 
 @kernel
-def allocate(p: ModelRecord, surge: float, moment: float) -> tuple[float, float]:
+def allocate(p: ModelRecord, surge: float, moment: float, speed: float) -> tuple[float, float]:
     """Thrust of port and starboard [N] for a surge force [N] and a moment [N m].
 
     Yaw has priority: the moment is met as far as the thrusters reach, then surge as far as it is
     still free.
+
+    Parameters
+    ----------
+    speed : ahead through the water [m/s]
     """
-    low, high = p.thrust_low, p.thrust_high
+    low = thrust_under_way(p.thrust_low, speed, p.disc_kgpm)
+    high = thrust_under_way(p.thrust_high, speed, p.disc_kgpm)
     difference = clipped(moment / p.lever_m, low - high, high - low)
     sum_ = clipped(surge, 2.0 * low + abs(difference), 2.0 * high - abs(difference))
     return 0.5 * (sum_ - difference), 0.5 * (sum_ + difference)
 
 
 @kernel
-def command_for(p: ModelRecord, thrust: float) -> float:
+def command_for(p: ModelRecord, thrust: float, speed: float) -> float:
     """Command whose steady thrust is nearest to `thrust` [N], in the thruster's unit and range.
 
     Inside the dead zone the nearer of nothing and its edge.
+
+    Parameters
+    ----------
+    speed : of the propeller ahead through the water [m/s]
     """
+    thrust = moored_thrust(thrust, speed, p.disc_kgpm)
     if p.exponent == 1.0:
         command = thrust / (p.k_ahead if thrust > 0.0 else p.k_astern)
     elif thrust > 0.0:
@@ -40,12 +51,13 @@ def command_for(p: ModelRecord, thrust: float) -> float:
 
 
 @kernel
-def thrust_of(p: ModelRecord, command: float) -> float:
-    """Steady thrust of one side [N] under a command."""
+def thrust_of(p: ModelRecord, command: float, speed: float) -> float:
+    """Steady thrust of one side [N] under a command, at a speed as in `command_for`."""
     if abs(command) < p.dead_zone:
         return 0.0
     k = p.k_ahead if command > 0.0 else p.k_astern
-    return float(k * command * (1.0 if p.exponent == 1.0 else abs(command)))
+    moored = k * command * (1.0 if p.exponent == 1.0 else abs(command))
+    return float(thrust_under_way(moored, speed, p.disc_kgpm))
 
 
 @kernel

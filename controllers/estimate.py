@@ -46,7 +46,8 @@ def learn_drift(s: VesselState, p: ModelRecord, step_s: float) -> None:
         s.surge = ahead - c * s.drift_x - t * s.drift_y
         s.sway = aside - c * s.drift_y + t * s.drift_x
         return
-    force = thrust_of(p, s.port) + thrust_of(p, s.starboard)
+    beside = p.lever_m * s.rate
+    force = thrust_of(p, s.port, s.surge - beside) + thrust_of(p, s.starboard, s.surge + beside)
     s.surge = surge_after(p, s.surge, force, step_s)
     s.sway = sway_after(p, s.sway, s.surge, s.rate, step_s)
     share = step_s / (DRIFT_S + step_s)

@@ -51,6 +51,13 @@ def surge_speed(s: VesselState) -> float:
 
 
 @kernel
+def speed_through_water(s: VesselState) -> float:
+    """Speed through the water along the vessel [m/s], by its drift."""
+    dx, dy = s.vx - s.drift_x, s.vy - s.drift_y
+    return float(math.cos(s.yaw) * dx + math.sin(s.yaw) * dy)
+
+
+@kernel
 def distance_to(s: VesselState, x: float, y: float) -> float:
     """Distance from the vessel to a point [m]."""
     return math.sqrt((s.x - x) ** 2 + (s.y - y) ** 2)
@@ -132,8 +139,9 @@ def commands(
     s: VesselState, p: ModelRecord, port: float, starboard: float, step_s: float
 ) -> tuple[float, float]:
     """Commands for thrusts [N], with a lead on the thrusters' lag; keeps the state of the lag."""
-    left = led_command(p, s.port, command_for(p, port), step_s)
-    right = led_command(p, s.starboard, command_for(p, starboard), step_s)
+    speed, beside = speed_through_water(s), p.lever_m * s.rate
+    left = led_command(p, s.port, command_for(p, port, speed - beside), step_s)
+    right = led_command(p, s.starboard, command_for(p, starboard, speed + beside), step_s)
     s.port = lagged(p, s.port, left, step_s)
     s.starboard = lagged(p, s.starboard, right, step_s)
     return left, right
@@ -248,7 +256,7 @@ def push(
         given = braking_moment(p, 1.0, limited, now, given)
     most = most_difference(s, p, limited) * p.lever_m
     given = clipped(given, -most, most)
-    port, starboard = allocate(p, limited, given)
+    port, starboard = allocate(p, limited, given, speed_through_water(s))
     heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
     return port, starboard
 

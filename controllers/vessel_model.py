@@ -40,8 +40,8 @@ class VesselModel:
     """The numbers of one vessel that controllers need.
 
     Inertia includes added mass; drag is `(linear + quadratic |v|) v` along each axis. The thrust of
-    one side is `k c |c|^(exponent - 1)` of the command c, with a k for each way, and nothing inside
-    the dead zone.
+    one side moored is `k c |c|^(exponent - 1)` of the command c, with a k for each way, and nothing
+    inside the dead zone; under way it falls (`propulsion`).
     """
 
     length_m: float
@@ -64,6 +64,7 @@ class VesselModel:
     command_low: float
     command_high: float
     dead_zone: float  # of the command
+    disc_kgpm: float  # 2 rho A of a propeller; 0: thrust does not fall with speed
     tuning: Tuning
 
 
@@ -73,7 +74,7 @@ class ModelRecord(VesselModel, Tuning):
     For readers and type checkers; it is never made.
     """
 
-    thrust_low: float  # steady thrust of one side, full astern [N]
+    thrust_low: float  # steady thrust of one side moored, full astern [N]
     thrust_high: float  # and full ahead
 
 

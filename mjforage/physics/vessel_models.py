@@ -5,6 +5,7 @@ import math
 from typing import get_type_hints
 
 from mjforage.controllers import Tuning, VesselModel
+from mjforage.controllers.propulsion import thrust_under_way
 from mjforage.physics.vessels import Control, CrossFlow, Propeller, Vessel
 
 SOURCE = "from mass, drag, thrust and lag, as where no file says otherwise"
@@ -38,6 +39,7 @@ def vessel_model(vessel: Vessel) -> VesselModel:
         command_low=low,
         command_high=high,
         dead_zone=0.0 if isinstance(thruster, Propeller) else thruster.dead_zone_newton,
+        disc_kgpm=_disc_kgpm(vessel),
         tuning=Tuning(**dataclasses.asdict(control)),
     )
 
@@ -59,8 +61,8 @@ def default_control(vessel: Vessel) -> Control:
     speed = min(quick, 1.5)
     hold = min(0.5 * speed, math.sqrt(brake / vessel.length_m))
     return Control(
-        cruise_ahead_mps=_speed(vessel.linear_surge, vessel.quadratic_surge, SHARE * 2.0 * high),
-        cruise_astern_mps=_speed(vessel.linear_surge, vessel.quadratic_surge, -SHARE * 2.0 * low),
+        cruise_ahead_mps=_top_speed(vessel, high, SHARE),
+        cruise_astern_mps=_top_speed(vessel, -low, SHARE),
         acceleration_mps2=SHARE * 2.0 * high / surge,
         brake_mps2=0.7 * brake,
         yaw_rate_radps=_speed(vessel.linear_yaw, _quadratic_yaw(vessel), SHARE * moment),
@@ -119,9 +121,8 @@ def damping_rates(vessel: Vessel) -> dict[str, float]:
 
 def decision_s(vessel: Vessel, distance_m: float) -> float:
     """Time from rest to turn by 90 degrees, go a distance straight on and stop [s]."""
-    model = vessel_model(vessel)
-    tuning, most = model.tuning, 2.0 * vessel.thruster.thrust_range[1]
-    speed = min(tuning.cruise_ahead_mps, _speed(vessel.linear_surge, vessel.quadratic_surge, most))
+    tuning = vessel_model(vessel).tuning
+    speed = min(tuning.cruise_ahead_mps, _top_speed(vessel, vessel.thruster.thrust_range[1]))
     ramps = 0.5 / tuning.acceleration_mps2 + 0.5 / tuning.brake_mps2
     speed = min(speed, math.sqrt(distance_m / ramps))  # so short that it never cruises
     straight = distance_m / speed + ramps * speed
@@ -154,6 +155,27 @@ def _quadratic_yaw(vessel: Vessel) -> float:
 def _strip(flow: CrossFlow) -> float:
     """Cross-flow drag of a metre of length at 1 m/s [N s2/m3]."""
     return 0.5 * flow.water_density_kgpm3 * flow.coefficient * flow.draft_m
+
+
+def _disc_kgpm(vessel: Vessel) -> float:
+    return vessel.power.disc_kgpm if vessel.power else 0.0
+
+
+def _top_speed(vessel: Vessel, moored: float, share: float = 1.0) -> float:
+    """Speed at which surge drag takes a share of the thrust of both sides [m/s], by halving.
+
+    Parameters
+    ----------
+    moored : thrust of one side [N], above 0
+    """
+    low = 0.0
+    high = _speed(vessel.linear_surge, vessel.quadratic_surge, 2.0 * share * moored)
+    while high - low > 1e-12 * high:
+        middle = 0.5 * (low + high)
+        thrust = 2.0 * share * thrust_under_way(moored, middle, _disc_kgpm(vessel))
+        drag = (vessel.linear_surge + vessel.quadratic_surge * middle) * middle
+        low, high = (middle, high) if drag < thrust else (low, middle)
+    return high
 
 
 def _speed(linear: float, quadratic: float, load: float) -> float:

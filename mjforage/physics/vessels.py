@@ -14,6 +14,7 @@ from pydantic import Discriminator
 
 from mjforage.base.errors import UserError
 from mjforage.base.toml_files import read_toml
+from mjforage.controllers.propulsion import WATER_DENSITY_KGPM3
 from mjforage.physics.quantities import Quantity, positive
 from mjforage.scenario.schema import NotInFile, check
 from mjforage.scenario.vessel_files import vessel_path
@@ -133,14 +134,19 @@ class Load:
 
 @dataclass(frozen=True)
 class Power:
-    """Power drawn from the battery: both thrusters, and all else that is on board."""
+    """Propellers, whose thrust falls with speed, and the power drawn from the battery."""
 
     propeller_m: Annotated[float, positive("m", 10)]
-    """Diameter of each propeller."""
-    efficiency: Annotated[float, Quantity("1", 0.0, 1.0, above=True)]
-    """Least power for a thrust, by momentum theory, over the electrical power drawn for it."""
+    """Diameter of each propeller, or of each water jet."""
+    motor_w: Annotated[float, positive("W", 1e7)]
+    """Electrical power of each motor at the most thrust, and the most it ever draws."""
     hotel_w: Annotated[float, Quantity("W", 0.0, 1e6)]
     """Constant power of computers, sensors and radio."""
+
+    @property
+    def disc_kgpm(self) -> float:
+        """2 rho A of a propeller in sea water [kg/m]."""
+        return 2.0 * WATER_DENSITY_KGPM3 * math.pi / 4.0 * self.propeller_m**2
 
 
 @dataclass(frozen=True)
@@ -187,15 +193,14 @@ class Control:
 
 NO_WINDAGE = Windage(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
 NO_LOAD = Load(0.0, 0.0)
-IDEAL_POWER = Power(0.2, 1.0, 0.0)
 
 
 @dataclass(frozen=True, repr=False)
 class Vessel:
     """One parameter set.
 
-    Absent tables: no cross-flow drag, no wind load, no load, the least power of propellers of
-    0.2 m, and a tuning that `physics.model` works out.
+    Absent tables: no cross-flow drag, no wind load, no load, a thrust that does not fall with speed
+    and no power drawn, and a tuning that `physics.vessel_models` works out.
 
     Examples
     --------
@@ -248,7 +253,7 @@ class Vessel:
     crossflow: CrossFlow | None = None
     windage: Windage = NO_WINDAGE
     load: Load = NO_LOAD
-    power: Power = IDEAL_POWER
+    power: Power | None = None
     control: Control | None = None
 
     def __repr__(self) -> str:
@@ -311,6 +316,15 @@ def check_vessel(vessel: Vessel, where: str) -> None:
             raise UserError(
                 f"{where}: thruster.dead_zone_newton = {vessel.thruster.dead_zone_newton:g} leaves "
                 f"no thrust; give less than {weakest:g}"
+            )
+    most = max(map(abs, vessel.thruster.thrust_range))
+    if vessel.power and math.isfinite(most):
+        least = math.sqrt(most**3 / vessel.power.disc_kgpm)
+        if vessel.power.motor_w < least:
+            raise UserError(
+                f"{where}: power.motor_w = {vessel.power.motor_w:g} is less than the {least:.4g} W "
+                f"that {most:.4g} N of thrust take at least with a propeller of "
+                f"{vessel.power.propeller_m:g} m; raise motor_w or propeller_m"
             )
     if not all(math.isfinite(value) for value in vessel.thruster.thrust_range):
         raise UserError(f"{where}: thruster gives a thrust that is not finite; lower k or n_max")

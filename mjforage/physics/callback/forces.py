@@ -33,7 +33,7 @@ from mjforage.physics.callback.model_layout import (
 )
 from mjforage.physics.hydrodynamics.item_drag import item_load
 from mjforage.physics.hydrodynamics.parameters import VESSEL, Float64Array, VesselParameters
-from mjforage.physics.hydrodynamics.thruster import force_of_sides, saturated, thrust_amid_step
+from mjforage.physics.hydrodynamics.thruster import saturated, thrust_amid_step
 
 
 class MujocoState(NamedTuple):
@@ -75,7 +75,7 @@ def _averaged(
     )
     c, s = math.cos(yaw), math.sin(yaw)
     d_surge, d_sway, d_yaw = vessel_motion.damping(
-        p, yaw, vx + h / 3 * ax, vy + h / 3 * ay, r + h / 3 * ar, around
+        p, yaw, vx + h / 3 * ax, vy + h / 3 * ay, r + h / 3 * ar, lagged, around
     )
     m_surge, m_sway = body.surge + 0.5 * h * d_surge, body.sway + 0.5 * h * d_sway
     m_yaw = body.yaw + 0.5 * h * d_yaw
@@ -98,15 +98,14 @@ def _instant(
     h, left, right = state.step_s, 2 * v, 2 * v + 1
     port = thrust_amid_step(p, saturated(p, state.ctrl[left]), state.act[left], h)
     starboard = thrust_amid_step(p, saturated(p, state.ctrl[right]), state.act[right], h)
-    push, twist = force_of_sides(p, port, starboard)
     surge, sway, turn = vessel_motion.loads(
         p,
         state.qpos[i + 2],
         state.qvel[i],
         state.qvel[i + 1],
         state.qvel[i + 2],
-        push,
-        twist,
+        port,
+        starboard,
         around,
     )
     return surge, sway, turn, body.surge, body.sway, body.yaw

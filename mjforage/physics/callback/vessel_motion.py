@@ -14,7 +14,12 @@ from typing import NamedTuple
 from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.crossflow import cross_flow_slope
 from mjforage.physics.hydrodynamics.parameters import VesselParameters
-from mjforage.physics.hydrodynamics.thruster import force_of_sides, saturated, thrust_in_step
+from mjforage.physics.hydrodynamics.thruster import (
+    force_of_sides,
+    saturated,
+    thrust_in_step,
+    thruster_slope,
+)
 from mjforage.physics.hydrodynamics.water_load import hull_force, load_drag, load_mass
 from mjforage.physics.hydrodynamics.wind_load import wind_force, wind_slope
 
@@ -57,8 +62,8 @@ def loads(
     vx: float,
     vy: float,
     r: float,
-    force: float,
-    moment: float,
+    port: float,
+    starboard: float,
     around: Surroundings,
 ) -> tuple[float, float, float]:
     """Surge [N], sway [N] and yaw [N m] load at midships, body axes, for the right-hand side.
@@ -66,7 +71,7 @@ def loads(
     Parameters
     ----------
     vx, vy, r : velocity over ground, world axes [m/s], yaw rate [rad/s]
-    force, moment : of the thrusters [N], [N m]
+    port, starboard : thrusts as the vessel has them moored [N]
     """
     c, s = math.cos(yaw), math.sin(yaw)
     dx, dy = vx - around.water_x, vy - around.water_y
@@ -74,6 +79,7 @@ def loads(
     dx, dy = around.wind_x - vx, around.wind_y - vy
     hull = hull_force(p, u_r, v_r, r)
     wind = wind_force(p, c * dx + s * dy, c * dy - s * dx)
+    force, moment = force_of_sides(p, port, starboard, u_r, r)
     surge = hull[0] + wind[0] + force + load_drag(p, around.load, u_r)
     return surge, hull[1] + wind[1], hull[2] + wind[2] + moment
 
@@ -86,12 +92,12 @@ def acceleration(
     vx: float,
     vy: float,
     r: float,
-    force: float,
-    moment: float,
+    port: float,
+    starboard: float,
     around: Surroundings,
 ) -> tuple[float, float, float]:
     """World acceleration of midships [m/s2] and yaw acceleration [rad/s2] of the free vessel."""
-    surge, sway, turn = loads(p, yaw, vx, vy, r, force, moment, around)
+    surge, sway, turn = loads(p, yaw, vx, vy, r, port, starboard, around)
     ahead = (surge + mass.moment * r * r) / mass.surge
     determinant = mass.sway * mass.yaw - mass.moment * mass.moment
     aside = (mass.yaw * sway - mass.moment * turn) / determinant
@@ -124,17 +130,22 @@ def mean_acceleration(
     """
     port = thrust_in_step(p, saturated(p, command[0]), lagged[0], step_s)
     starboard = thrust_in_step(p, saturated(p, command[1]), lagged[1], step_s)
-    f0, n0 = force_of_sides(p, port[0], starboard[0])
-    f1, n1 = force_of_sides(p, port[1], starboard[1])
-    f2, n2 = force_of_sides(p, port[2], starboard[2])
     h = 0.5 * step_s
-    ax, ay, ar = acceleration(p, mass, ahead_yaw - h * r, vx, vy, r, f0, n0, around)
+    ax, ay, ar = acceleration(p, mass, ahead_yaw - h * r, vx, vy, r, port[0], starboard[0], around)
     yaw = ahead_yaw - h * (r + 0.5 * h * ar)
     bx, by, br = acceleration(
-        p, mass, yaw + h * r, vx + h * ax, vy + h * ay, r + h * ar, f1, n1, around
+        p, mass, yaw + h * r, vx + h * ax, vy + h * ay, r + h * ar, port[1], starboard[1], around
     )
     cx, cy, cr = acceleration(
-        p, mass, yaw + h * (r + h * ar), vx + h * bx, vy + h * by, r + h * br, f1, n1, around
+        p,
+        mass,
+        yaw + h * (r + h * ar),
+        vx + h * bx,
+        vy + h * by,
+        r + h * br,
+        port[1],
+        starboard[1],
+        around,
     )
     dx, dy, dr = acceleration(
         p,
@@ -143,8 +154,8 @@ def mean_acceleration(
         vx + step_s * cx,
         vy + step_s * cy,
         r + step_s * cr,
-        f2,
-        n2,
+        port[2],
+        starboard[2],
         around,
     )
     return (
@@ -156,13 +167,22 @@ def mean_acceleration(
 
 @kernel
 def damping(
-    p: VesselParameters, yaw: float, vx: float, vy: float, r: float, around: Surroundings
+    p: VesselParameters,
+    yaw: float,
+    vx: float,
+    vy: float,
+    r: float,
+    lagged: tuple[float, float],
+    around: Surroundings,
 ) -> tuple[float, float, float]:
-    """Slope of all drag, of water, air and load, in surge, sway [N s/m] and yaw [N m s], each >= 0.
+    """Slope of drag and thrust, of water, air and load, in surge, sway [N s/m] and yaw [N m s].
+
+    Each is at least 0.
 
     Parameters
     ----------
     vx, vy, r : velocity over ground, world axes [m/s], yaw rate [rad/s]
+    lagged : commands of the thrusters, port and starboard
     """
     c, s = math.cos(yaw), math.sin(yaw)
     dx, dy = vx - around.water_x, vy - around.water_y
@@ -171,9 +191,10 @@ def damping(
     air = wind_slope(p, c * dx + s * dy, c * dy - s * dx)
     cross = cross_flow_slope(p, v_r, r)
     quadratic = p.quadratic_surge + p.load_drag * around.load
+    thrust = thruster_slope(p, lagged[0], lagged[1], u_r, r)
     growth = p.linear_yaw * p.yaw_growth + p.quadratic_yaw
     return (
-        p.linear_surge + 2 * quadratic * abs(u_r) + air[0],
+        p.linear_surge + 2 * quadratic * abs(u_r) + air[0] + thrust[0],
         p.linear_sway + 2 * p.quadratic_sway * abs(v_r) + cross[0] + air[1],
-        p.linear_yaw + 2 * growth * abs(r) + cross[1],
+        p.linear_yaw + 2 * growth * abs(r) + cross[1] + thrust[1],
     )

@@ -339,7 +339,6 @@ class MujocoDynamics:
             target=target,
             giving_way=self._pilot.giving_way,
             met=simulation.contact_pose,
-            water=simulation.vessel_water,
             lagged=simulation.thruster_state,
         )
         self._monitor(active, tick)

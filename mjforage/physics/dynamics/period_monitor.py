@@ -74,7 +74,6 @@ class Tick(NamedTuple):
     target: FloatArray  # (episode, vessel, 2) [m]
     giving_way: NDArray[np.bool_]  # (episode, vessel) held back for another vessel or a quay
     met: FloatArray  # (episode, vessel, 3) poses in which vessels met, `Simulation.contact_pose`
-    water: FloatArray  # (episode, vessel, 2) current at the vessels [m/s]
     lagged: FloatArray  # (episode, vessel, 2) state of the thrusters [rad/s] or [N]
 
 
@@ -91,11 +90,8 @@ class MonitorSetup(NamedTuple):
 @inlined
 def _note_work(tick: Tick, setup: MonitorSetup, e: int, v: int, work_j: FloatArray) -> None:
     """Add the electrical energy drawn over the tick."""
-    vx, vy = tick.after.velocity[e, v, 0], tick.after.velocity[e, v, 1]
-    c, s = math.cos(tick.after.pose[e, v, 2]), math.sin(tick.after.pose[e, v, 2])
-    surge = c * (vx - tick.water[e, v, 0]) + s * (vy - tick.water[e, v, 1])
     port, starboard = tick.lagged[e, v, 0], tick.lagged[e, v, 1]
-    work_j[e, v] += setup.tick_s * drawn_power(setup.vessels[v], port, starboard, surge)
+    work_j[e, v] += setup.tick_s * drawn_power(setup.vessels[v], port, starboard)
 
 
 @inlined

@@ -1,6 +1,5 @@
 """A vessel's numbers as a record for kernels; `pack` fills it."""
 
-import math
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
@@ -61,9 +60,11 @@ class VesselParameters:
     # What one item aboard adds: mass [kg] and quadratic surge drag [N s2/m2].
     load_mass: float
     load_drag: float
-    # What is drawn: area of a propeller's disc [m2], share of its least power, power of all else.
+    # Propulsion: 2 rho A of a propeller's disc [kg/m] (0: thrust does not fall with speed), most
+    # thrust moored, a motor's power for it, power of all else.
     disc: float
-    efficiency: float
+    rated_thrust: float
+    motor: float
     hotel: float
 
 
@@ -91,7 +92,7 @@ def pack(vessel: Vessel) -> VesselParameters:
         air * wind.area_front_m2, air * wind.area_side_m2,
         wind.cdt, wind.cdl_bow, wind.cdl_stern, wind.delta, wind.s_l_m,
         v.load.mass_per_item_kg, v.load.drag_per_item,
-        math.pi / 4 * v.power.propeller_m**2, v.power.efficiency, v.power.hotel_w,
+        *_propulsion(v),
     )
     # fmt: on
     record: VesselParameters = np.array([entries], VESSEL)[0]
@@ -108,6 +109,13 @@ def _cross_flow(flow: CrossFlow | None) -> list[float]:
         return [CROSS_NONE, 0.0, 0.0]
     factor = 0.5 * flow.water_density_kgpm3 * flow.coefficient * flow.draft_m
     return [_CROSS_KINDS[flow.kind], factor, flow.length_m]
+
+
+def _propulsion(vessel: Vessel) -> list[float]:
+    most, power = max(map(abs, vessel.thruster.thrust_range)), vessel.power
+    if power is None:
+        return [0.0, most, 0.0, 0.0]
+    return [power.disc_kgpm, most, power.motor_w, power.hotel_w]
 
 
 def _thrust(vessel: Vessel) -> list[float]:

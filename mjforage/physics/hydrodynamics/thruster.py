@@ -1,12 +1,14 @@
-"""Thrusters: curve, dead zone and saturation of one side; both sides.
+"""Thrusters: curve, dead zone and saturation of one side; both sides under way.
 
-A command is a propeller's speed [rad/s] or a force [N], as the vessel has it. The lag acts on the
-command, the curve on what the lag lets through.
+A command is a propeller's speed [rad/s] or a force [N], as the vessel has it moored. Under way it
+takes the same power and gives less thrust (`controllers.propulsion`). The lag acts on the command,
+the curve on what the lag lets through.
 """
 
 import math
 
 from mjforage.base.compiled import kernel
+from mjforage.controllers.propulsion import thrust_slope, thrust_under_way
 from mjforage.physics.hydrodynamics.parameters import THRUST_PROPELLER, VesselParameters
 
 
@@ -18,7 +20,8 @@ def saturated(p: VesselParameters, command: float) -> float:
 
 @kernel
 def thrust(p: VesselParameters, command: float) -> float:
-    """Steady thrust of one side [N], ahead positive: k n |n|, or the force outside the dead zone.
+    """Steady thrust of one side moored [N], ahead positive: k n |n|, or the force outside the dead
+    zone.
 
     Parameters
     ----------
@@ -32,7 +35,7 @@ def thrust(p: VesselParameters, command: float) -> float:
 
 @kernel
 def command_for(p: VesselParameters, force: float) -> float:
-    """Command of one side whose steady thrust is nearest to `force` [N]."""
+    """Command of one side whose steady thrust moored is nearest to `force` [N]."""
     if p.thrust_kind != THRUST_PROPELLER:
         return saturated(p, force)
     if force > 0.0:
@@ -98,6 +101,34 @@ def thrust_amid_step(p: VesselParameters, command: float, lagged: float, step_s:
 
 
 @kernel
-def force_of_sides(p: VesselParameters, port: float, starboard: float) -> tuple[float, float]:
-    """Surge force [N] and yaw moment [N m] of two thrusts [N]; port, at +y, turns clockwise."""
-    return port + starboard, p.lever * (starboard - port)
+def force_of_sides(
+    p: VesselParameters, port: float, starboard: float, u_r: float, r: float
+) -> tuple[float, float]:
+    """Surge force [N] and yaw moment [N m] of both sides under way; port, at +y, turns clockwise.
+
+    Parameters
+    ----------
+    port, starboard : thrusts moored [N]
+    u_r, r : surge velocity through the water [m/s], yaw rate [rad/s]
+    """
+    left = thrust_under_way(port, u_r - p.lever * r, p.disc)
+    right = thrust_under_way(starboard, u_r + p.lever * r, p.disc)
+    return left + right, p.lever * (right - left)
+
+
+@kernel
+def thruster_force(
+    p: VesselParameters, port: float, starboard: float, u_r: float, r: float
+) -> tuple[float, float]:
+    """`force_of_sides` of two lagged commands [rad/s or N]."""
+    return force_of_sides(p, thrust(p, port), thrust(p, starboard), u_r, r)
+
+
+@kernel
+def thruster_slope(
+    p: VesselParameters, port: float, starboard: float, u_r: float, r: float
+) -> tuple[float, float]:
+    """Fall of `thruster_force` with surge velocity [N s/m] and yaw rate [N m s], each >= 0."""
+    left = thrust_slope(thrust(p, port), u_r - p.lever * r, p.disc)
+    right = thrust_slope(thrust(p, starboard), u_r + p.lever * r, p.disc)
+    return left + right, p.lever * p.lever * (left + right)

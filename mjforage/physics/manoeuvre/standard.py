@@ -19,7 +19,7 @@ Steering: TypeAlias = Callable[[float, State], tuple[float, float]]
 
 AHEAD_S = 20.0  # of straight, coasting and stopping tests, from rest
 APPROACH_S = 15.0  # straight ahead from rest, before a zigzag
-ZIGZAG_MEAN, ZIGZAG_SPLIT = 0.3, 0.15  # shares of the largest thrust ahead
+ZIGZAG_MEAN, ZIGZAG_SPLIT = 0.2, 0.1  # shares of the largest thrust ahead
 TURN_MEAN, TURN_SPLIT = 0.4, 0.2
 
 

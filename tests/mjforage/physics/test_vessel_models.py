@@ -6,10 +6,12 @@ import math
 import numpy as np
 import pytest
 
+from mjforage.controllers.propulsion import thrust_under_way
 from mjforage.physics.vessel_models import decision_s, default_control, vessel_model
 from mjforage.physics.vessels import (
     CrossFlow,
     ForceThruster,
+    Power,
     Vessel,
     Windage,
     load_vessel,
@@ -43,6 +45,7 @@ WORKBOAT = Vessel(
     thruster=ForceThruster(1200.0, 800.0, 10.0),
     crossflow=CrossFlow("integrated", 0.9, 0.5, 6.0, 1025.0),
     windage=Windage(2.5, 5.0, 0.9, 0.55, 0.6, 0.6, 0.0),
+    power=Power(0.4, 4000.0, 50.0),
 )
 
 
@@ -63,6 +66,7 @@ NUMBERS = {
     "command_high": 1200.0,
     "exponent": 1.0,
     "dead_zone": 10.0,
+    "disc_kgpm": 2050.0 * np.pi * 0.04,
     "k_ahead": 1.0,
     "k_astern": 1.0,
 }
@@ -81,7 +85,7 @@ def test_numbers_of_a_propeller_and_of_a_force() -> None:
 def test_controllers_know_every_number_of_a_vessel() -> None:
     """Of a vessel whose numbers are unlike, all that does not follow from several, by its name."""
     known = dataclasses.asdict(vessel_model(WORKBOAT))
-    assert {name: known[name] for name in NUMBERS} == NUMBERS
+    assert {name: known[name] for name in NUMBERS} == pytest.approx(NUMBERS)
     otter = vessel_model(load_vessel("otter"))
     assert (otter.k_ahead, otter.k_astern) == (0.01108, 0.006445)
 
@@ -106,7 +110,9 @@ def test_default_tunings_can_be_done(name: str) -> None:
     vessel = load_vessel(name)
     control, (low, high) = default_control(vessel), vessel.thruster.thrust_range
     u, surge = control.cruise_ahead_mps, vessel.mass_kg + vessel.added_mass_surge_kg
-    assert (vessel.linear_surge + vessel.quadratic_surge * u) * u == pytest.approx(1.8 * high)
+    disc = vessel.power.disc_kgpm if vessel.power else 0.0
+    thrust = 1.8 * thrust_under_way(high, u, disc)
+    assert (vessel.linear_surge + vessel.quadratic_surge * u) * u == pytest.approx(thrust)
     assert control.brake_mps2 * surge == pytest.approx(0.7 * -2.0 * low)
     r, model = control.yaw_rate_radps, vessel_model(vessel)
     drag = (model.linear_yaw + model.quadratic_yaw * r) * r

@@ -29,7 +29,6 @@ def noted(
     target: tuple[float, float] = (0.0, 0.0),
     giving_way: bool = False,
     lagged: float = 0.0,
-    water: float = 0.0,
 ) -> None:
     """The same tick several times: one otter heading east at `speed`, 0.1 s each."""
     pose = np.array([[[*at, 0.0]]])
@@ -42,7 +41,6 @@ def noted(
             target=np.array([[target]]),
             giving_way=np.full((1, 1), giving_way),
             met=pose,
-            water=np.array([[[water, 0.0]]]),
             lagged=np.full((1, 1, 2), lagged),
         )
         monitor(SETUP, seen, ON, tick)
@@ -95,9 +93,9 @@ def test_contact_is_a_reason_and_counts_once_per_touch() -> None:
 
 def test_way_and_energy_add_up() -> None:
     seen = PeriodRecord.of((1, 1))
-    noted(seen, 50, speed=1.5, lagged=60.0, water=0.5)
+    noted(seen, 50, speed=1.5, lagged=60.0)
     assert seen.travelled_m[0, 0] == pytest.approx(7.5)
-    assert seen.work_j[0, 0] == pytest.approx(5.0 * drawn_power(SETUP.vessels[0], 60.0, 60.0, 1.0))
+    assert seen.work_j[0, 0] == pytest.approx(5.0 * drawn_power(SETUP.vessels[0], 60.0, 60.0))
     seen.begin(ON)
     assert seen.travelled_m[0, 0] == 0.0
     assert seen.work_j[0, 0] > 0.0

@@ -2,16 +2,18 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from mjforage.controllers.propulsion import thrust_under_way
 from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.thruster import (
     command_for,
-    force_of_sides,
     thrust,
     thrust_amid_step,
     thrust_in_step,
+    thruster_force,
+    thruster_slope,
 )
 from mjforage.physics.vessels import load_vessel
 
@@ -52,9 +54,32 @@ def test_command_for_gives_the_thrust_or_the_nearest(newton: float) -> None:
 
 
 def test_port_thruster_turns_clockwise() -> None:
-    assert force_of_sides(OTTER, 27.7, 0.0) == pytest.approx((27.7, -27.7 * 0.395))
-    assert force_of_sides(OTTER, 0.0, 27.7) == pytest.approx((27.7, 27.7 * 0.395))
-    assert force_of_sides(OTTER, 80.0, 80.0) == (160.0, 0.0)
+    surge, yaw = thruster_force(OTTER, 50.0, 0.0, 0.0, 0.0)
+    assert surge == pytest.approx(27.7)
+    assert yaw == pytest.approx(-27.7 * 0.395)
+    assert thruster_force(OTTER, 0.0, 50.0, 0.0, 0.0) == pytest.approx((27.7, 27.7 * 0.395))
+    assert thruster_force(OTTER, 80.0, 80.0, 0.0, 0.0)[1] == 0.0
+
+
+def test_each_side_has_its_own_speed_through_the_water() -> None:
+    """Turning to port at 0.5 rad/s, starboard goes 0.395 m/s faster than port, for less thrust."""
+    left = thrust_under_way(119.703, 1.0 - 0.1975, OTTER.disc)
+    right = thrust_under_way(119.703, 1.0 + 0.1975, OTTER.disc)
+    force, moment = thruster_force(OTTER, 103.94, 103.94, 1.0, 0.5)
+    assert right < left
+    assert (force, moment) == pytest.approx((left + right, 0.395 * (right - left)), rel=1e-5)
+
+
+@given(st.floats(-110.0, 110.0), st.floats(-110.0, 110.0), st.floats(-3.0, 3.0), st.floats(-1, 1))
+def test_slopes_are_those_of_the_force(port: float, starboard: float, u: float, r: float) -> None:
+    assume(min(abs(u - 0.395 * r), abs(u + 0.395 * r)) > 1e-3)  # off the kink at rest
+    (more, _), (less, _) = (thruster_force(OTTER, port, starboard, u + h, r) for h in (1e-5, -1e-5))
+    more_turn, less_turn = (
+        thruster_force(OTTER, port, starboard, u, r + h)[1] for h in (1e-5, -1e-5)
+    )
+    surge, yaw = thruster_slope(OTTER, port, starboard, u, r)
+    assert (less - more) / 2e-5 == pytest.approx(surge, rel=1e-4, abs=1e-5)
+    assert (less_turn - more_turn) / 2e-5 == pytest.approx(yaw, rel=1e-4, abs=1e-5)
 
 
 @given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.sampled_from([0.02, 0.1, 1.0]))

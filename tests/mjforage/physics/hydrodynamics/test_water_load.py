@@ -31,7 +31,7 @@ def test_yaw_damping_of_the_otter_grows_with_the_rate() -> None:
 
 def test_scout_damping_by_hand() -> None:
     x, y, n = damping(pack(SCOUT), -2.0, 0.5, 0.5)
-    assert x == pytest.approx(17.3 * 4.0)
+    assert x == pytest.approx(10.13 * 4.0)
     assert y == pytest.approx(-(70.0 + 100.0 * 0.5) * 0.5)
     assert n == pytest.approx(-(3.3 + 17.3 * 0.5) * 0.5)
 

@@ -93,7 +93,7 @@ def test_leeway_of_the_forager_head_to_wind_balances_air_and_water() -> None:
     """1/2 rho A CDl (W - s)^2 = (d + k s) s of the speed s astern."""
 
     def surplus(s: float) -> float:
-        return 0.5 * 1.224 * 0.45 * 0.55 * (8.0 - s) ** 2 - (77.55 + 30.0 * s) * s
+        return 0.5 * 1.224 * 0.45 * 0.55 * (8.0 - s) ** 2 - (31.9 + 25.6 * s) * s
 
     speed = brentq(surplus, 0.0, 1.0)
     found = figures("forager", "drift", Conditions(wind_mps=(-8.0, 0.0)))

@@ -1,6 +1,7 @@
 """The Otter a second time, with nothing of our model: six degrees of freedom in marine axes.
 
-Written from the numbers of the published parameter set alone, in their own frame (x forward,
+Written from the numbers of the published parameter set, with the surge damping of our file (its
+thrust falls with speed), in their own frame (x forward,
 y to starboard, z down; yaw clockwise), with Coriolis matrices made from the inertia matrices
 (Fossen 2021, theorem 3.2) and body-axes accelerations. Frame, signs, terms and integrator are thus
 others than in `physics.hydrodynamics`, and roll, pitch and heave move. It is an oracle: slow, and
@@ -21,7 +22,8 @@ MASS_KG, COG_X_M, COG_Z_M = 80.0, 0.153, -0.247
 LEVER_M, LAG_S = 0.395, 0.1
 K_AHEAD, K_ASTERN, N_MAX, N_MIN = 0.01108, 0.006445, 103.94, -101.74
 ADDED = np.diag([5.28, 82.5, 55.0, 2.13, 11.62, 24.03])
-DAMPING = np.array([77.55, 162.5, 605.4, 52.28, 226.7, 40.05])
+DISC_KGPM = 2.0 * 1025.0 * math.pi / 4.0 * 0.2**2  # 2 rho A
+DAMPING = np.array([31.9, 162.5, 605.4, 52.28, 226.7, 40.05])
 YAW_GROWTH_S = 10.0
 RESTORING = np.array([0.0, 0.0, 7541.0, 967.0, 2743.0, 0.0])
 STRIP_X_M = np.linspace(-1.0, 1.0, 21)
@@ -46,14 +48,24 @@ _TOTAL = _rigid_body() + ADDED
 _INVERSE = np.linalg.inv(_TOTAL)
 
 
-def thrust(n: float) -> float:
-    """Newtons of one side at n [rad/s]."""
+def thrust(n: float, speed: float) -> float:
+    """Newtons of one side at n [rad/s] and a speed ahead of the propeller [m/s].
+
+    The speed v through the disc is the root of v^3 - u v^2 = w^3, with the w of a moored propeller.
+    """
     n = min(max(n, N_MIN), N_MAX)
-    return (K_AHEAD if n > 0.0 else K_ASTERN) * n * abs(n)
+    moored = (K_AHEAD if n > 0.0 else K_ASTERN) * n * abs(n)
+    still, inflow = math.sqrt(abs(moored) / DISC_KGPM), speed if n > 0.0 else -speed
+    if still == 0.0 or inflow <= 0.0:
+        return moored
+    roots = np.roots([1.0, -inflow, 0.0, -(still**3)])
+    return moored * still / float(roots[np.abs(roots.imag) < 1e-9].real.max())
 
 
-def _acceleration(nu: Array, pose: Array, left: float, right: float) -> Array:
-    """d(nu)/dt of the velocity relative to the water."""
+def _acceleration(nu: Array, pose: Array, n: Array) -> Array:
+    """d(nu)/dt of the velocity relative to the water, propellers at n, port first."""
+    left = thrust(float(n[0]), float(nu[0] + LEVER_M * nu[5]))
+    right = thrust(float(n[1]), float(nu[0] - LEVER_M * nu[5]))
     momentum, spin = _TOTAL[:3] @ nu, _TOTAL[3:] @ nu
     turning = np.concatenate(
         (-np.cross(momentum, nu[3:]), -np.cross(momentum, nu[:3]) - np.cross(spin, nu[3:]))
@@ -121,7 +133,7 @@ class IndependentOtter:
             math.cos(roll) * q - math.sin(roll) * r,
             about / math.cos(pitch),
         ]
-        gained = _acceleration(nu, pose, thrust(float(n[0])), thrust(float(n[1])))
+        gained = _acceleration(nu, pose, n)
         return np.concatenate((place, rates, gained, (command - n) / LAG_S))
 
     def state(self) -> State:

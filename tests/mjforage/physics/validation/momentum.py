@@ -38,8 +38,29 @@ def wind_load(vessel: Vessel, ahead: float, starboard: float) -> tuple[float, fl
     return x, y, (wind.s_l_m - 0.18 * (angle - 0.5 * math.pi) * vessel.length_m) * y
 
 
-def thrust(vessel: Vessel, command: float) -> float:
-    """Newtons of one side at a lagged command [rad/s or N]."""
+def thrust(vessel: Vessel, command: float, speed: float) -> float:
+    """Newtons of one side at a lagged command [rad/s or N] and its speed ahead [m/s].
+
+    Moored the water gets the power T0 sqrt(T0 / (2 rho A)), and as much at any speed.
+    """
+    moored = _moored(vessel, command)
+    inflow = math.copysign(1.0, moored) * speed
+    if vessel.power is None or inflow <= 0.0 or moored == 0.0:
+        return moored
+    disc = 2.0 * 1025.0 * math.pi / 4.0 * vessel.power.propeller_m**2
+    size = abs(moored)
+    power = size * math.sqrt(size / disc)
+    for _ in range(40):  # Newton's method on T (u + sqrt(u^2 + 4 T / (2 rho A))) / 2, from above
+        wash = math.sqrt(inflow * inflow + 4.0 * size / disc)
+        rest = 0.5 * size * (inflow + wash) - power
+        step = rest / (0.5 * (inflow + wash) + size / (disc * wash))
+        size -= step
+        if abs(step) < 1e-14 * size:
+            break
+    return math.copysign(size, moored)
+
+
+def _moored(vessel: Vessel, command: float) -> float:
     thruster = vessel.thruster
     low, high = thruster.command_range
     c = min(max(command, low), high)
@@ -121,7 +142,8 @@ class MomentumVessel:
         bow = complex(math.cos(yaw), math.sin(yaw))
         place = bow * complex(u, v) + self._water
         past = self._air * bow.conjugate() - complex(u, v)
-        pushes = thrust(self._vessel, left), thrust(self._vessel, right)
+        beside = self._vessel.lever_m * r  # r is clockwise: port goes faster
+        pushes = thrust(self._vessel, left, u + beside), thrust(self._vessel, right, u - beside)
         x, y, n = self._loads(u, v, r, *pushes)
         x_wind, y_wind, n_wind = wind_load(self._vessel, past.real, past.imag)
         return [
