@@ -24,6 +24,7 @@ INSET_M = 0.05  # of the points, so that one that touches is not yet inside
 BLUR_M = 0.02  # by which a gap may be smaller than it is measured
 LEANING_M = 0.05  # a gap below which a vessel leans on what is there
 HEADED = 0.2  # share of the speed ahead that must go towards a point to be limited for it
+PATIENT_S = 5.0  # for which a vessel that does not get off counts on the drift that it knows
 
 
 @kernel
@@ -38,9 +39,11 @@ def pressing(s: VesselState, p: ModelRecord) -> float:
 def note_contact(s: VesselState, p: ModelRecord, force: float, lever: float) -> None:
     """Note that a vessel leans with one of its points, pressed by a force [N], at a lever [m].
 
-    To turn off from there it must lift the rest of itself around that point.
+    To turn off from there it must lift the rest of itself around that point. It learns no drift
+    while it leans: the longer it is held, the more it lifts.
     """
     s.in_contact = 1.0
+    force *= 1.0 + s.held_s / PATIENT_S
     if lever > 0.0:
         s.load_port = max(s.load_port, force * lever)
     else:

@@ -88,7 +88,8 @@ def heading_moment(
 ) -> float:
     """Moment [N m] that turns the vessel to the heading `wanted` along its reference.
 
-    N = d(r_d) r_d + m (r_d' + 2 zeta w (r_d - r) + w^2 (psi_d - psi)) + Munk moment + integral.
+    N = d(r_d) r_d + m (r_d' + 2 zeta w (r_d - r) + w^2 (psi_d - psi)) + M x_g u r_d + Munk moment
+    + integral.
     """
     lead = wrapped(s.heading_ref - s.yaw)
     if abs(lead) > MOST_LEAD_RAD:
@@ -102,7 +103,8 @@ def heading_moment(
     damping = 2.0 * p.heading_damping * w * (s.rate_ref - s.rate)
     spring = w * w * wrapped(s.heading_ref - s.yaw)
     free = p.inertia_yaw_kgm2 * (acceleration + damping + spring)
-    return float(yaw_drag(p, s.rate_ref) + free + munk_moment(s, p) + s.moment_integral)
+    carried = p.offset_kgm * s.rate_ref * (math.cos(s.yaw) * s.vx + math.sin(s.yaw) * s.vy)
+    return float(yaw_drag(p, s.rate_ref) + carried + free + munk_moment(s, p) + s.moment_integral)
 
 
 @kernel

@@ -17,6 +17,7 @@ from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.controllers.allocation import thrust_of
 from mjforage.controllers.angles import wrapped
 from mjforage.controllers.estimate import surge_after, sway_after
+from mjforage.controllers.propulsion import thrust_under_way
 from mjforage.controllers.state import FleetArray
 from mjforage.controllers.vessel_model import FloatArray, ModelArray, ModelRecord
 
@@ -47,7 +48,7 @@ class Filters(NamedTuple):
     state: FloatArray  # (episode, vessel, STATES) [m], [rad]
     covariance: FloatArray  # (episode, vessel, STATES, STATES)
     log: FloatArray  # (episode, vessel, 3) last velocity ahead, to port [m/s], rate [rad/s]
-    thrust: FloatArray  # (episode, vessel, latency + 1, 2) of port and starboard of late [N]
+    thrust: FloatArray  # (episode, vessel, latency + 1, 2) moored, port and starboard of late [N]
     ticks: NDArray[np.int64]  # (episode, vessel) measurements so far
     pose: FloatArray  # (episode, vessel, 3) as of now [m], [rad]
     velocity: FloatArray  # (episode, vessel, 3) world axes [m/s], [rad/s]
@@ -152,7 +153,9 @@ def tell(f: Filters, p: ModelRecord, e: int, v: int, of: SensorErrors) -> None:
     ahead, aside, rate = f.log[e, v]
     slots, t = of.latency + 1, of.tick_s
     for k in range(min(of.latency, f.ticks[e, v])):
-        port, starboard = f.thrust[e, v, (f.ticks[e, v] + 2 + k) % slots]
+        moored, beside = f.thrust[e, v, (f.ticks[e, v] + 2 + k) % slots], p.lever_m * rate
+        port = thrust_under_way(moored[0], ahead - beside, p.disc_kgpm)
+        starboard = thrust_under_way(moored[1], ahead + beside, p.disc_kgpm)
         ahead = surge_after(p, ahead, port + starboard, t)
         moment = p.lever_m * (starboard - port) - p.munk_kg * ahead * aside
         aside = sway_after(p, aside, ahead, rate, t)
@@ -191,8 +194,8 @@ def navigate(
             log[1] = c * velocity[e, v, 1] - s * velocity[e, v, 0]
             log[2] = velocity[e, v, 2]
             slot = f.ticks[e, v] % (of.latency + 1)
-            f.thrust[e, v, slot, 0] = thrust_of(models[v], state[e, v].port)
-            f.thrust[e, v, slot, 1] = thrust_of(models[v], state[e, v].starboard)
+            f.thrust[e, v, slot, 0] = thrust_of(models[v], state[e, v].port, 0.0)
+            f.thrust[e, v, slot, 1] = thrust_of(models[v], state[e, v].starboard, 0.0)
             f.surprise[e, v] = f.measured[e, v] = 0.0
             if f.ticks[e, v] == 0:
                 begin(x, p, seen, of)

@@ -39,7 +39,7 @@ SAFE_SHARE = 0.3  # of half the thrust, to turn a vessel that brakes for somethi
 LIFTED_RAD = 0.1  # off the heading wanted, from which all of the water's load is lifted
 OFF_SHARE = 1.5  # of the thrust of one side astern, to turn a vessel off a lee shore
 FOLLOWS_MPS, FOLLOWS_RADPS = 0.05, 0.05  # above limits: from there as fast as they fall
-SLOW_MPS = 0.15  # a vessel slower than this is not braking
+SLOW_MPS = 0.15  # a vessel slower than this has more of its thrust to turn than to brake
 LOOK_RAD = 1.0  # by which the heading wanted is ahead of a vessel that looks round
 ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
 
@@ -206,15 +206,17 @@ def safe_moment(s: VesselState, p: ModelRecord, moment: float) -> float:
 
 @kernel
 def braking_moment(
-    p: ModelRecord, share: float, surge: float, speed: float, moment: float
+    s: VesselState, p: ModelRecord, share: float, surge: float, speed: float, moment: float
 ) -> float:
     """The moment [N m], less where the vessel brakes.
 
     Yaw has priority in the allocation, and a vessel that turns at full moment does not stop:
-    `share` 1 leaves half the thrust for braking, 0 all.
+    `share` 1 leaves half the thrust for braking, 0 all. At rest the moment may take a share of 2:
+    equal thrusts ahead and astern, for more would push the vessel on. One that leans has all.
     """
-    if surge * speed >= 0.0 or abs(speed) < SLOW_MPS:
+    if surge * speed >= 0.0 or (s.in_contact != 0.0 and abs(speed) < SLOW_MPS):
         return moment
+    share += (2.0 - share) * max(1.0 - abs(speed) / SLOW_MPS, 0.0)
     most = share * p.lever_m * (-p.thrust_low if speed > 0.0 else p.thrust_high)
     return clipped(moment, -most, most)
 
@@ -250,10 +252,10 @@ def push(
     moment += s.load_port * clipped(off / LIFTED_RAD, 0.0, 1.0)
     moment -= s.load_starboard * clipped(-off / LIFTED_RAD, 0.0, 1.0)
     fast = too_fast(s, now)
-    given = braking_moment(p, SAFE_SHARE if fast else 1.0, limited, now, moment)
+    given = braking_moment(s, p, SAFE_SHARE if fast else 1.0, limited, now, moment)
     given = safe_moment(s, p, given)
     if fast:
-        given = braking_moment(p, 1.0, limited, now, given)
+        given = braking_moment(s, p, 1.0, limited, now, given)
     most = most_difference(s, p, limited) * p.lever_m
     given = clipped(given, -most, most)
     port, starboard = allocate(p, limited, given, speed_through_water(s))

@@ -50,6 +50,7 @@ class VesselModel:
     mass_sway_kg: float
     inertia_yaw_kgm2: float
     munk_kg: float  # added mass in sway minus that in surge
+    offset_kgm: float  # mass times the centre of gravity ahead of midships
     linear_surge: float  # [N s/m]
     quadratic_surge: float  # [N s2/m2]
     linear_sway: float  # [N s/m]

@@ -25,6 +25,7 @@ def vessel_model(vessel: Vessel) -> VesselModel:
         mass_sway_kg=vessel.mass_kg + vessel.added_mass_sway_kg,
         inertia_yaw_kgm2=_yaw_kgm2(vessel),
         munk_kg=vessel.added_mass_sway_kg - vessel.added_mass_surge_kg,
+        offset_kgm=vessel.mass_kg * vessel.cog_x_m,
         linear_surge=vessel.linear_surge,
         quadratic_surge=vessel.quadratic_surge,
         linear_sway=vessel.linear_sway,
@@ -47,7 +48,8 @@ def vessel_model(vessel: Vessel) -> VesselModel:
 def default_control(vessel: Vessel) -> Control:
     """A tuning from mass, drag and thrust, for a vessel without one.
 
-    Speeds and rates are those at which drag takes `SHARE` of the thrust (half of it when turning);
+    Speeds and rates are those at which drag takes `SHARE` of the thrust under way (when turning,
+    of equal thrusts ahead and astern);
     accelerations are what the thrust gives at rest; loops are slower than thruster lag, control
     period and thrust allow; lengths go with the vessel's.
     """
@@ -65,7 +67,7 @@ def default_control(vessel: Vessel) -> Control:
         cruise_astern_mps=_top_speed(vessel, -low, SHARE),
         acceleration_mps2=SHARE * 2.0 * high / surge,
         brake_mps2=0.7 * brake,
-        yaw_rate_radps=_speed(vessel.linear_yaw, _quadratic_yaw(vessel), SHARE * moment),
+        yaw_rate_radps=_top_rate(vessel, SHARE),
         yaw_acceleration_radps2=acceleration,
         heading_bandwidth_radps=heading,
         heading_damping=1.0,
@@ -101,8 +103,8 @@ def full_speed_s(vessel: Vessel) -> float:
 
 def top_speed(vessel: Vessel) -> float:
     """Speed through the water with full thrust ahead or astern, the higher of the two [m/s]."""
-    most = 2.0 * max(vessel.thruster.thrust_range[1], -vessel.thruster.thrust_range[0])
-    return _speed(vessel.linear_surge, vessel.quadratic_surge, most)
+    low, high = vessel.thruster.thrust_range
+    return _top_speed(vessel, max(high, -low))
 
 
 def damping_rates(vessel: Vessel) -> dict[str, float]:
@@ -162,19 +164,34 @@ def _disc_kgpm(vessel: Vessel) -> float:
 
 
 def _top_speed(vessel: Vessel, moored: float, share: float = 1.0) -> float:
-    """Speed at which surge drag takes a share of the thrust of both sides [m/s], by halving.
+    """Speed at which surge drag takes a share of the thrust of both sides [m/s].
 
     Parameters
     ----------
     moored : thrust of one side [N], above 0
     """
-    low = 0.0
-    high = _speed(vessel.linear_surge, vessel.quadratic_surge, 2.0 * share * moored)
+    drag = vessel.linear_surge, vessel.quadratic_surge
+    return _balance(*drag, 2.0 * share, moored, 1.0, _disc_kgpm(vessel))
+
+
+def _top_rate(vessel: Vessel, share: float = 1.0) -> float:
+    """Rate at which yaw drag takes a share of the moment of equal thrusts ahead and astern
+    [rad/s].
+    """
+    low, high = vessel.thruster.thrust_range
+    drag, lever = (vessel.linear_yaw, _quadratic_yaw(vessel)), vessel.lever_m
+    return _balance(*drag, 2.0 * lever * share, min(high, -low), lever, _disc_kgpm(vessel))
+
+
+def _balance(
+    linear: float, quadratic: float, gain: float, moored: float, lever: float, disc: float
+) -> float:
+    """Speed v at which drag takes `gain` times the thrust of a propeller at `lever` v, by halving."""
+    low, high = 0.0, _speed(linear, quadratic, gain * moored)
     while high - low > 1e-12 * high:
         middle = 0.5 * (low + high)
-        thrust = 2.0 * share * thrust_under_way(moored, middle, _disc_kgpm(vessel))
-        drag = (vessel.linear_surge + vessel.quadratic_surge * middle) * middle
-        low, high = (middle, high) if drag < thrust else (low, middle)
+        thrust = gain * thrust_under_way(moored, lever * middle, disc)
+        low, high = (middle, high) if (linear + quadratic * middle) * middle < thrust else (low, middle)
     return high
 
 

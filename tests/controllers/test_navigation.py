@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from mjforage.controllers.allocation import command_for
+from mjforage.controllers.allocation import command_for, thrust_of
 from mjforage.controllers.navigation import MARGIN, Navigator, SensorErrors
 from mjforage.controllers.state import STATE
 from tests.controllers.plant import FORAGER, SCOUT
@@ -171,16 +171,17 @@ def test_a_latency_is_made_up_by_the_model() -> None:
     at, still, fix = np.zeros((1, 1, 3)), np.zeros((1, 1, 3)), np.ones((1, 1), np.bool_)
     forces = (9.0, 0.0, 0.0, 40.0, 20.0)
     for force in (0.0, 0.0, *forces):
-        state["port"] = state["starboard"] = command_for(SCOUT, 0.5 * force)
+        state["port"] = state["starboard"] = command_for(SCOUT, 0.5 * force, 0.0)
         told = navigator.update(active, at, still, fix)
     p, x, u = SCOUT, 0.0, 0.0
     for force in forces[1:]:
         drag = p.linear_surge + p.quadratic_surge * u
-        u = (p.mass_surge_kg * u + T * force) / (p.mass_surge_kg + T * drag)
+        push = 2.0 * thrust_of(p, command_for(p, 0.5 * force, 0.0), u)
+        u = (p.mass_surge_kg * u + T * push) / (p.mass_surge_kg + T * drag)
         x += T * u
     assert told.velocity[0, 0] == pytest.approx([u, 0.0, 0.0])
     assert told.pose[0, 0] == pytest.approx([x, 0.0, 0.0])
-    state["port"] = command_for(SCOUT, -10.0)  # turning to port on the spot
+    state["port"] = command_for(SCOUT, -10.0, 0.0)  # turning to port on the spot
     for _ in range(4):
         told = navigator.update(active, at, still, fix)
     assert told.pose[0, 0, 2] > 0.05 and told.velocity[0, 0, 2] > 0.2
