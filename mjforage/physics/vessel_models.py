@@ -186,12 +186,12 @@ def _top_rate(vessel: Vessel, share: float = 1.0) -> float:
 def _balance(
     linear: float, quadratic: float, gain: float, moored: float, lever: float, disc: float
 ) -> float:
-    """Speed v at which drag takes `gain` times the thrust of a propeller at `lever` v, by halving."""
+    """Speed v at which drag takes `gain` times a propeller's thrust at `lever` v, by halving."""
     low, high = 0.0, _speed(linear, quadratic, gain * moored)
     while high - low > 1e-12 * high:
-        middle = 0.5 * (low + high)
-        thrust = gain * thrust_under_way(moored, lever * middle, disc)
-        low, high = (middle, high) if (linear + quadratic * middle) * middle < thrust else (low, middle)
+        v = 0.5 * (low + high)
+        left = gain * thrust_under_way(moored, lever * v, disc) - (linear + quadratic * v) * v
+        low, high = (v, high) if left > 0.0 else (low, v)
     return high
 
 

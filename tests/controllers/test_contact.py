@@ -10,6 +10,7 @@ from mjforage.controllers.contact import (
     BLUR_M,
     INSET_M,
     NEAR_M,
+    PATIENT_S,
     QUAY_SHARE,
     TOUCH_QUAY_MPS,
     TOUCH_VESSEL_MPS,
@@ -67,6 +68,18 @@ def test_turning_uses_up_what_going_may_have() -> None:
     assert still == pytest.approx(striking(0.1))
     assert s.most_ahead == pytest.approx(still - 0.1 * (0.5 * P.beam_m - INSET_M))
     assert s.most_astern == FREE
+
+
+def test_the_longer_a_vessel_is_held_the_more_it_lifts() -> None:
+    """The load of the drift that it knows, and as much again in every `PATIENT_S`."""
+    loads = []
+    for held_s in (0.0, PATIENT_S, 2.0 * PATIENT_S):
+        s = beside(0.0)
+        s.drift_y, s.held_s = -0.2, held_s
+        heed_land(s, P, BASIN, 4.0)
+        loads.append(s.load_starboard)
+    force = (P.linear_sway + P.quadratic_sway * 0.2) * 0.2
+    assert loads == pytest.approx([n * force * LEVER for n in (1.0, 2.0, 3.0)])
 
 
 def test_far_from_everything_nothing_is_limited() -> None:

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from mjforage.controllers.allocation import allocate
 from mjforage.controllers.loops import (
     MOST_LEAD_S,
     heading_moment,
@@ -15,9 +16,9 @@ from mjforage.controllers.loops import (
     surge_windup,
     turning_limit,
 )
-from mjforage.controllers.steering import braking_moment
+from mjforage.controllers.steering import SLOW_MPS, braking_moment
+from tests.controllers.plant import FORAGER, blank
 from tests.controllers.plant import SCOUT as P
-from tests.controllers.plant import blank
 
 
 def test_surge_force_is_drag_and_acceleration() -> None:
@@ -73,11 +74,34 @@ def test_integrals_learn_a_steady_error_otherwise() -> None:
 
 
 def test_turning_leaves_thrust_for_braking() -> None:
-    most = P.lever_m * -P.thrust_low
-    assert braking_moment(P, 1.0, -30.0, 1.0, 100.0) == pytest.approx(most)
-    assert braking_moment(P, 1.0, -30.0, 1.0, -100.0) == pytest.approx(-most)
-    assert braking_moment(P, 1.0, 30.0, 1.0, 100.0) == 100.0  # not braking
-    assert braking_moment(P, 0.3, -30.0, 1.0, 100.0) == pytest.approx(0.3 * most)
+    s, most = blank(), P.lever_m * -P.thrust_low
+    assert braking_moment(s, P, 1.0, -30.0, 1.0, 100.0) == pytest.approx(most)
+    assert braking_moment(s, P, 1.0, -30.0, 1.0, -100.0) == pytest.approx(-most)
+    assert braking_moment(s, P, 1.0, 30.0, 1.0, 100.0) == 100.0  # not braking
+    assert braking_moment(s, P, 0.3, -30.0, 1.0, 100.0) == pytest.approx(0.3 * most)
+
+
+@pytest.mark.parametrize("share", [0.3, 1.0])
+def test_at_rest_turning_takes_equal_thrusts_and_does_not_push_on(share: float) -> None:
+    """A moment of twice what thrust astern on one side has, and less with way on."""
+    s, most = blank(), P.lever_m * -P.thrust_low
+    given = braking_moment(s, P, share, -1.0, 1e-9, 100.0)
+    assert given == pytest.approx(2.0 * most)
+    assert sum(allocate(P, -1.0, given, 0.0)) == pytest.approx(0.0, abs=1e-6)
+    half = braking_moment(s, P, share, -1.0, 0.5 * SLOW_MPS, 100.0)
+    assert half == pytest.approx(0.5 * (2.0 + share) * most)
+    s.in_contact = 1.0
+    assert braking_moment(s, P, share, -1.0, 1e-9, 100.0) == 100.0  # it leans
+
+
+def test_a_turn_under_way_takes_the_moment_of_a_centre_of_gravity_ahead() -> None:
+    """M x_g u r, with 80 kg at 0.153 m: of two vessels that turn alike, at rest and at 1.5 m/s."""
+    rest, going = blank(), blank()
+    going.vx = 1.5
+    rest.rate_ref = going.rate_ref = rest.rate = going.rate = 0.2
+    still, more = (heading_moment(s, FORAGER, 1.0, 0.2, 0.1) for s in (rest, going))
+    assert FORAGER.offset_kgm == pytest.approx(80.0 * 0.153)
+    assert more - still == pytest.approx(FORAGER.offset_kgm * 1.5 * 0.2)
 
 
 def test_speed_while_turning() -> None:

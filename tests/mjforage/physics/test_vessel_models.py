@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mjforage.controllers.propulsion import thrust_under_way
-from mjforage.physics.vessel_models import decision_s, default_control, vessel_model
+from mjforage.physics.vessel_models import decision_s, default_control, top_speed, vessel_model
 from mjforage.physics.vessels import (
     CrossFlow,
     ForceThruster,
@@ -117,7 +117,14 @@ def test_default_tunings_can_be_done(name: str) -> None:
     assert control.brake_mps2 * surge == pytest.approx(0.7 * -2.0 * low)
     r, model = control.yaw_rate_radps, vessel_model(vessel)
     drag = (model.linear_yaw + model.quadratic_yaw * r) * r
-    assert drag < vessel.lever_m * (high - low)
+    thrust = thrust_under_way(min(high, -low), vessel.lever_m * r, disc)
+    assert drag == pytest.approx(0.9 * vessel.lever_m * 2.0 * thrust)
+
+
+def test_top_speeds_are_those_of_the_thrust_under_way() -> None:
+    """6 knots of the Otter (MSS), and the scout's 1.97 m/s; flat out astern is slower."""
+    assert top_speed(load_vessel("otter")) == pytest.approx(6.0 * 0.5144, rel=1e-3)
+    assert top_speed(load_vessel("scout")) == pytest.approx(1.97, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["scout", "forager"])
