@@ -53,5 +53,5 @@ def test_without_a_disc_thrust_does_not_fall() -> None:
 
 
 def test_thrust_of_the_otter_at_its_top_speed() -> None:
-    """By hand: w0 = 1.363 m/s, v = 3.317 m/s, T = 119.7 x 1.363 / 3.317 N."""
+    """By hand: w0 = 1.363 m/s, w0 / y = 3.317 m/s, T = 119.7 y N."""
     assert thrust_under_way(119.7, 3.086, DISC) == pytest.approx(49.2, abs=0.05)

@@ -1,5 +1,7 @@
 """Electrical power that a vessel draws: of its thrusters, and of all else on board (the hotel)."""
 
+import math
+
 from mjforage.base.compiled import inlined
 from mjforage.physics.hydrodynamics.parameters import VesselParameters
 from mjforage.physics.hydrodynamics.thruster import thrust
@@ -17,4 +19,4 @@ def drawn_power(p: VesselParameters, port: float, starboard: float) -> float:
     port, starboard : lagged commands [rad/s or N]
     """
     left, right = abs(thrust(p, port)) / p.rated_thrust, abs(thrust(p, starboard)) / p.rated_thrust
-    return float(p.hotel + p.motor * (left**1.5 + right**1.5))
+    return float(p.hotel + p.motor * (left * math.sqrt(left) + right * math.sqrt(right)))

@@ -173,11 +173,11 @@ def test_vessels_too_quick_for_control_or_step_are_told(
 
 
 def test_moves_that_a_vessel_cannot_make_are_told_and_are_late() -> None:
-    """20 m in 10 s at 1.94 m/s, after a turn of 90 degrees at 0.95 rad/s."""
+    """20 m in 10 s at 1.94 m/s, after a turn of 90 degrees at 0.9 rad/s."""
     overrides = ("map.pitch_m=10", "horizon=4", "team.foragers.count=0", "team.scouts.count=1")
     (line,) = told(PHYSICS, *overrides)
     assert line == (
-        "vessel scout of scouts: team.scouts.moves = 2 of 10 m take it 13.6 s, at 1.94 m/s after "
+        "vessel scout of scouts: team.scouts.moves = 2 of 10 m take it 13.7 s, at 1.94 m/s after "
         "a turn of 90 degrees, and a decision has 10 s: moves will be late; give fewer moves, a "
         "longer period_s or a shorter map.pitch_m"
     )
