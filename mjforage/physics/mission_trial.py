@@ -107,7 +107,7 @@ def mission_measures(name: str) -> list[Measure]:
     """
     vessel, setup, found = load_vessel(name), _setup(name), []
     state, pitch_m = _played(setup), setup.graph.pitch_m
-    idle_j = vessel.power.hotel_w * PERIOD_S * DECISIONS
+    idle_j = (vessel.power.hotel_w if vessel.power else 0.0) * PERIOD_S * DECISIONS
     for agent, items in enumerate((0, ITEMS)):
         way = way_before_wind(vessel, (0, *[items] * (DECISIONS - 1)))
         gone = pitch_m * np.array([state.agent_rc[0, agent, 1] - 1.0, state.distance[0, agent]])

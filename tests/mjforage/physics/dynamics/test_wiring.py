@@ -57,7 +57,7 @@ def test_pilots_are_told_where_a_move_begins_and_where_it_ends() -> None:
 
 
 @pytest.mark.parametrize("scale", [Scale(), Scale(thrust=0.7)])
-def test_hulls_draw_power_for_their_own_thrusters_in_their_own_water(scale: Scale) -> None:
+def test_hulls_draw_power_for_their_own_thrusters(scale: Scale) -> None:
     """The scout's thrusters stand still, the forager's push it ahead and about, in a current."""
     dynamics, state = begun(STREAM, physics=Physics(vessels=OWN, scale=scale))
     commands = np.zeros((len(KEYS), 2, 2))
@@ -69,18 +69,16 @@ def test_hulls_draw_power_for_their_own_thrusters_in_their_own_water(scale: Scal
 
     def steer(*about: Any) -> None:
         inner(*about)
-        pose, velocity = dynamics._motion
-        past = velocity[..., :2] - dynamics._simulation.vessel_water
-        surge = np.cos(pose[..., 2]) * past[..., 0] + np.sin(pose[..., 2]) * past[..., 1]
         for at in np.ndindex(work.shape):
-            port, starboard = thrusters[at]
-            work[at] += 0.1 * drawn_power(vessels[at[1]], port, starboard, float(surge[at]))
+            work[at] += 0.1 * drawn_power(vessels[at[1]], *thrusters[at])
 
     dynamics._steer = steer  # type: ignore[assignment,method-assign]
     advance(dynamics, state)
     np.testing.assert_allclose(dynamics._simulation.vessel_water[..., 0], 0.4, atol=0.01)
     np.testing.assert_allclose(state.work, work, rtol=1e-9)
-    np.testing.assert_allclose(state.work[:, 0], 20.0 * load_vessel("scout").power.hotel_w)
+    power = load_vessel("scout").power
+    assert power is not None
+    np.testing.assert_allclose(state.work[:, 0], 20.0 * power.hotel_w)
     assert (state.work[:, 1] > 2.0 * state.work[:, 0]).all() and np.ptp(state.work[:, 1]) > 100.0
 
 
