@@ -11,7 +11,9 @@ LEAD = 0.5  # lag that is left of the thrusters' own
 
 
 @kernel
-def allocate(p: ModelRecord, surge: float, moment: float, speed: float) -> tuple[float, float]:
+def allocate(
+    p: ModelRecord, surge: float, moment: float, speed: float, rate: float
+) -> tuple[float, float]:
     """Thrust of port and starboard [N] for a surge force [N] and a moment [N m].
 
     Yaw has priority: the moment is met as far as the thrusters reach, then surge as far as it is
@@ -19,12 +21,17 @@ def allocate(p: ModelRecord, surge: float, moment: float, speed: float) -> tuple
 
     Parameters
     ----------
-    speed : ahead through the water [m/s]
+    speed, rate : ahead through the water [m/s], of turn [rad/s]
     """
-    low = thrust_under_way(p.thrust_low, speed, p.disc_kgpm)
-    high = thrust_under_way(p.thrust_high, speed, p.disc_kgpm)
-    difference = clipped(moment / p.lever_m, low - high, high - low)
-    sum_ = clipped(surge, 2.0 * low + abs(difference), 2.0 * high - abs(difference))
+    port, starboard = speed - p.lever_m * rate, speed + p.lever_m * rate
+    low_port = thrust_under_way(p.thrust_low, port, p.disc_kgpm)
+    high_port = thrust_under_way(p.thrust_high, port, p.disc_kgpm)
+    low_starboard = thrust_under_way(p.thrust_low, starboard, p.disc_kgpm)
+    high_starboard = thrust_under_way(p.thrust_high, starboard, p.disc_kgpm)
+    difference = clipped(moment / p.lever_m, low_starboard - high_port, high_starboard - low_port)
+    low = 2.0 * max(low_port + 0.5 * difference, low_starboard - 0.5 * difference)
+    high = 2.0 * min(high_port + 0.5 * difference, high_starboard - 0.5 * difference)
+    sum_ = clipped(surge, low, high)
     return 0.5 * (sum_ - difference), 0.5 * (sum_ + difference)
 
 

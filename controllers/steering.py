@@ -211,13 +211,14 @@ def braking_moment(
     """The moment [N m], less where the vessel brakes.
 
     Yaw has priority in the allocation, and a vessel that turns at full moment does not stop:
-    `share` 1 leaves half the thrust for braking, 0 all. At rest the moment may take a share of 2:
-    equal thrusts ahead and astern, for more would push the vessel on. One that leans has all.
+    `share` 1 leaves half the thrust for braking, 0 all. The slower a vessel is, the more of its
+    thrust it turns with: all of it at rest, which pushes it on again. One that leans has all.
     """
     if surge * speed >= 0.0 or (s.in_contact != 0.0 and abs(speed) < SLOW_MPS):
         return moment
-    share += (2.0 - share) * max(1.0 - abs(speed) / SLOW_MPS, 0.0)
-    most = share * p.lever_m * (-p.thrust_low if speed > 0.0 else p.thrust_high)
+    brake = -p.thrust_low if speed > 0.0 else p.thrust_high
+    slow = max(1.0 - abs(speed) / SLOW_MPS, 0.0)
+    most = p.lever_m * (share * brake * (1.0 - slow) + (p.thrust_high - p.thrust_low) * slow)
     return clipped(moment, -most, most)
 
 
@@ -258,7 +259,7 @@ def push(
         given = braking_moment(s, p, 1.0, limited, now, given)
     most = most_difference(s, p, limited) * p.lever_m
     given = clipped(given, -most, most)
-    port, starboard = allocate(p, limited, given, speed_through_water(s))
+    port, starboard = allocate(p, limited, given, speed_through_water(s), s.rate)
     heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
     return port, starboard
 

@@ -17,7 +17,7 @@ P_SCOUT, P_FORAGER = packed(vessel_model(SCOUT)), packed(vessel_model(FORAGER))
 
 
 def test_inside_the_limits_both_wishes_are_met() -> None:
-    port, starboard = allocate(P_SCOUT, 20.0, 3.45, 0.0)
+    port, starboard = allocate(P_SCOUT, 20.0, 3.45, 0.0, 0.0)
     assert port + starboard == pytest.approx(20.0)
     assert (starboard - port) * P_SCOUT.lever_m == pytest.approx(3.45)
 
@@ -33,7 +33,7 @@ def test_inside_the_limits_both_wishes_are_met() -> None:
     ],
 )
 def test_yaw_has_priority(surge: float, moment: float, port: float, starboard: float) -> None:
-    assert allocate(P_SCOUT, surge, moment, 0.0) == pytest.approx((port, starboard))
+    assert allocate(P_SCOUT, surge, moment, 0.0, 0.0) == pytest.approx((port, starboard))
 
 
 @pytest.mark.parametrize("force", [-66.0, -12.0, 0.0, 5.0, 119.0])
@@ -56,10 +56,21 @@ def test_commands_invert_the_thrust_under_way(force: float, speed: float) -> Non
 
 def test_under_way_yaw_still_has_priority() -> None:
     """At 1.5 m/s a side has 82.3 N ahead, and astern what it has moored."""
-    port, starboard = allocate(P_FORAGER, 500.0, 20.0, 1.5)
+    port, starboard = allocate(P_FORAGER, 500.0, 20.0, 1.5, 0.0)
     assert starboard == pytest.approx(thrust_of(P_FORAGER, 103.94, 1.5))
     assert (starboard - port) * P_FORAGER.lever_m == pytest.approx(20.0)
-    assert allocate(P_FORAGER, -500.0, 0.0, 1.5)[0] == P_FORAGER.thrust_low
+    assert allocate(P_FORAGER, -500.0, 0.0, 1.5, 0.0)[0] == P_FORAGER.thrust_low
+
+
+@pytest.mark.parametrize(("surge", "moment"), [(0.0, 100.0), (500.0, 5.0), (-500.0, -5.0)])
+def test_what_is_allocated_can_be_given_in_a_turn(surge: float, moment: float) -> None:
+    """On the spot, port going astern and starboard ahead: each by the speed that it has."""
+    rate = 0.8
+    sides = allocate(P_SCOUT, surge, moment, 0.0, rate)
+    beside = (-P_SCOUT.lever_m * rate, P_SCOUT.lever_m * rate)
+    for force, speed in zip(sides, beside, strict=True):
+        given = thrust_of(P_SCOUT, command_for(P_SCOUT, force, speed), speed)
+        assert given == pytest.approx(force)
 
 
 @pytest.mark.parametrize(("force", "command"), [(1e4, 103.94), (-1e4, -101.74)])

@@ -3,7 +3,6 @@ import math
 import numpy as np
 import pytest
 
-from mjforage.controllers.allocation import allocate
 from mjforage.controllers.loops import (
     MOST_LEAD_S,
     heading_moment,
@@ -82,16 +81,17 @@ def test_turning_leaves_thrust_for_braking() -> None:
 
 
 @pytest.mark.parametrize("share", [0.3, 1.0])
-def test_at_rest_turning_takes_equal_thrusts_and_does_not_push_on(share: float) -> None:
-    """A moment of twice what thrust astern on one side has, and less with way on."""
-    s, most = blank(), P.lever_m * -P.thrust_low
-    given = braking_moment(s, P, share, -1.0, 1e-9, 100.0)
-    assert given == pytest.approx(2.0 * most)
-    assert sum(allocate(P, -1.0, given, 0.0)) == pytest.approx(0.0, abs=1e-6)
-    half = braking_moment(s, P, share, -1.0, 0.5 * SLOW_MPS, 100.0)
-    assert half == pytest.approx(0.5 * (2.0 + share) * most)
+@pytest.mark.parametrize(("way", "brake"), [(1.0, -P.thrust_low), (-1.0, P.thrust_high)])
+def test_the_slower_a_vessel_is_the_more_thrust_it_turns_with(
+    share: float, way: float, brake: float
+) -> None:
+    """All of it at rest; between half and that where it is half as slow as it counts as slow."""
+    s, most = blank(), P.lever_m * (P.thrust_high - P.thrust_low)
+    assert braking_moment(s, P, share, -way, way * 1e-9, 100.0) == pytest.approx(most)
+    half = braking_moment(s, P, share, -way, way * 0.5 * SLOW_MPS, 100.0)
+    assert half == pytest.approx(0.5 * (most + share * P.lever_m * brake))
     s.in_contact = 1.0
-    assert braking_moment(s, P, share, -1.0, 1e-9, 100.0) == 100.0  # it leans
+    assert braking_moment(s, P, share, -way, way * 0.5 * SLOW_MPS, 100.0) == 100.0  # it leans
 
 
 def test_a_turn_under_way_takes_the_moment_of_a_centre_of_gravity_ahead() -> None:
