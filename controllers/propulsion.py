@@ -15,6 +15,7 @@ import math
 from mjforage.base.compiled import inlined, kernel
 
 WATER_DENSITY_KGPM3 = 1025.0  # sea water
+LEAST_N = 1e-12  # of a thrust that falls; less, as of a command that dies away, is next to none
 
 
 @inlined
@@ -45,7 +46,7 @@ def thrust_under_way(moored: float, speed: float, disc: float) -> float:
     disc : 2 rho A of each propeller [kg/m]; 0: thrust does not fall with speed
     """
     inflow = speed if moored > 0.0 else -speed
-    if disc == 0.0 or moored == 0.0 or inflow <= 0.0:
+    if disc == 0.0 or abs(moored) < LEAST_N or inflow <= 0.0:
         return moored
     return moored * share_left(inflow / math.sqrt(abs(moored) / disc))
 
@@ -65,7 +66,7 @@ def moored_thrust(thrust: float, speed: float, disc: float) -> float:
 def thrust_slope(moored: float, speed: float, disc: float) -> float:
     """Fall of the thrust ahead with the speed [N s/m], at least 0: T0 / w0 y / (3 y^2 + a)."""
     inflow = speed if moored > 0.0 else -speed
-    if disc == 0.0 or moored == 0.0 or inflow <= 0.0:
+    if disc == 0.0 or abs(moored) < LEAST_N or inflow <= 0.0:
         return 0.0
     still = math.sqrt(abs(moored) / disc)
     y = share_left(inflow / still)

@@ -47,6 +47,14 @@ def test_an_inflow_from_astern_counts_as_none(moored: float, speed: float) -> No
     assert thrust_slope(moored, speed, DISC) == 0.0
 
 
+@pytest.mark.parametrize("moored", [5e-324, 1e-320, 1e-300, 1e-100, 1e-13])
+def test_a_thrust_that_dies_away_does_so_at_any_speed(moored: float) -> None:
+    """Squares of lagged commands become subnormal numbers."""
+    assert 0.0 <= thrust_under_way(moored, 3.0, DISC) <= moored
+    assert 0.0 <= thrust_slope(moored, 3.0, DISC) <= 1e-9
+    assert moored_thrust(moored, 3.0, DISC) < 1e-6
+
+
 def test_without_a_disc_thrust_does_not_fall() -> None:
     assert thrust_under_way(40.0, 3.0, 0.0) == moored_thrust(40.0, 3.0, 0.0) == 40.0
     assert thrust_slope(40.0, 3.0, 0.0) == 0.0
