@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mjforage.api.maps import Map
     from mjforage.api.missions import Mission, State, make_mission
     from mjforage.api.names import names
+    from mjforage.api.places import place
     from mjforage.api.run import Run
     from mjforage.api.scenarios import Scenario, load_scenario
     from mjforage.api.studies import Study, board, study
@@ -51,6 +52,7 @@ _PLACES = {
     "load_vessel": "physics.vessels",
     "make_mission": "api.missions",
     "names": "api.names",
+    "place": "api.places",
     "study": "api.studies",
     "train": "api.training",
 }
@@ -75,6 +77,7 @@ __all__ = [
     "make_mission",
     "names",
     "parallel_env",
+    "place",
     "study",
     "train",
 ]

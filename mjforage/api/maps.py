@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mjforage.api import checks
 from mjforage.api.checks import Named
-from mjforage.base.atomic_files import atomic_write
+from mjforage.base.atomic_files import atomic_write, write_errors
 from mjforage.base.errors import UserError
 from mjforage.scenario.map_files import WaterIs, write_table
 from mjforage.scenario.maps import (
@@ -19,8 +19,10 @@ from mjforage.scenario.maps import (
     check_starts,
     load_map,
     load_starts,
+    pitch_of,
     water_of_array,
 )
+from mjforage.scenario.place import GRID_FILE, PLACE_FILE, Place, write_place
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,8 +34,9 @@ class Map:
     Parameters
     ----------
     water : array (rows, columns), True where there is water; or the name of a shipped map, of a
-        generated harbour such as ``harbour:combs:7``, or a file (CSV table, grid or image)
-    pitch_m : distance between the centres of neighbouring nodes [m]
+        generated harbour such as ``harbour:combs:7``, or a file (CSV table, grid or image); or the
+        folder of a place (`mf.place`)
+    pitch_m : distance between the centres of neighbouring nodes [m]; a place has its own
     starts : (row, column) of the starts, assigned to agents at random; None: those beside a file,
         else a random cluster
     name : for tables and pages; by default that of the file
@@ -73,12 +76,18 @@ class Map:
             if not grid.nodes:
                 raise UserError("map: the array has no water; mark water with 1 or True")
         given = beside or () if starts is None else _cells(starts)
-        self._grid = GridMap(
-            grid.name if name is None else checks.label("name", name), grid.navigable
-        )
+        called = grid.name if name is None else checks.label("name", name)
+        self._grid = GridMap(called, grid.navigable, grid.place)
         self._starts: Starts = tuple((int(row), int(column)) for row, column in given)
-        self._pitch_m = checks.real("pitch_m", pitch_m, above=0.0)
+        self._pitch_m = pitch_of(self._grid, checks.real("pitch_m", pitch_m, above=0.0))
         check_starts(self._starts, self.water, "this map", self.name)
+
+    @classmethod
+    def of(cls, grid: GridMap, pitch_m: float, starts: Starts) -> "Map":
+        """The map of a grid that was checked."""
+        made = cls(grid.navigable, pitch_m=pitch_m, starts=starts, name=grid.name)
+        made._grid = grid
+        return made
 
     @property
     def name(self) -> str:
@@ -100,6 +109,13 @@ class Map:
         """(row, column) of the starts; empty: a random cluster."""
         return self._starts
 
+    @property
+    def place(self) -> Place | None:
+        """Where on the globe it lies: ``place.latlon(cells)`` has latitude and longitude of rows
+        and columns, ``place.cells(latlon)`` the way back; None of other maps.
+        """
+        return self._grid.place
+
     def plot(self) -> "Figure":
         """Figure of the map, north up, with its starts."""
         from mjforage.view.figures.map_pictures import map_figure
@@ -107,19 +123,24 @@ class Map:
         return map_figure([self._grid], self.starts)
 
     def to_file(self, path: Named) -> Path:
-        """Write the water as a CSV table, and the starts beside it.
+        """Write the water as a CSV table, and the starts beside it; a place as a folder.
 
         Raises
         ------
         UserError
             If a file cannot be written.
         """
-        target = checks.path("path", path)
-        write_table(self.water, target)
+        target = table = checks.path("path", path)
+        if self.place:
+            with write_errors(target):
+                target.mkdir(parents=True, exist_ok=True)
+            write_place(self.place, target)
+            table, target = target / GRID_FILE, target / PLACE_FILE
+        write_table(self.water, table)
         if self.starts:
             with atomic_write(target.with_name(f"{target.stem}.starts.csv")) as beside:
                 beside.write_text("".join(f"{row},{column}\n" for row, column in self.starts))
-        return target
+        return target.parent if self.place else target
 
     def __repr__(self) -> str:
         rows, columns = self.water.shape

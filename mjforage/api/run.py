@@ -20,7 +20,6 @@ from mjforage.base.atomic_files import write_errors
 from mjforage.base.errors import UserError
 from mjforage.runs.evaluate import summarise
 from mjforage.runs.storage import RunFolder
-from mjforage.scenario.maps import GridMap
 from mjforage.scenario.scenario_file import scenario_from_tree
 
 if TYPE_CHECKING:
@@ -78,7 +77,7 @@ class Run(Pictures):
         """Scenario and map that were played."""
         where = str(self._folder / "run.json")
         scenario = scenario_from_tree(dict(self._info.scenario), where)
-        return Scenario(scenario, GridMap(self._info.map.name, self._info.map.cells))
+        return Scenario(scenario, self._info.map.grid)
 
     @property
     def episodes(self) -> pl.DataFrame:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import tomli_w
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from mjforage.api import checks
 from mjforage.api.checks import Named
@@ -23,7 +23,8 @@ from mjforage.physics.vessels import Vessel
 from mjforage.scenario import scenario_file
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
-from mjforage.scenario.maps import GridMap, load_map
+from mjforage.scenario.maps import PITCH_M, GridMap, load_map
+from mjforage.scenario.place import is_place
 from mjforage.scenario.scenario import Scenario as Settings
 
 VAR_KEYWORD = Parameter.VAR_KEYWORD
@@ -52,7 +53,7 @@ class Scenario(Setup):
     def map(self) -> Map:
         """The map with its pitch and starts."""
         how: dict[str, Any] = {"pitch_m": self.scenario.map.pitch_m, "starts": self.start_cells}
-        return Map(self.grid.navigable, name=self.grid.name, **how)
+        return Map.of(self.grid, **how)
 
     def replace(
         self,
@@ -91,7 +92,7 @@ class Scenario(Setup):
         return self  # nothing changes it
 
     def __reduce__(self) -> Any:
-        return _rebuilt, (self.to_dict(), self.grid.navigable, self.grid.name)
+        return _rebuilt, (self.to_dict(), self.grid)
 
     def to_dict(self) -> dict[str, Any]:
         """All keys with their values, defaults included; tables as dicts. A copy."""
@@ -109,7 +110,8 @@ class Scenario(Setup):
         tree = _present(self.to_dict())
         file = self.scenario.map.file
         if not (is_shipped_map(file) or is_harbour(file)) or not reads_as(self):
-            table = self.map.to_file(target.with_name(f"{target.stem}.map.csv"))
+            end = "place" if self.grid.place else "map.csv"
+            table = self.map.to_file(target.with_name(f"{target.stem}.{end}"))
             tree["map"] |= {"file": table.name, "water": "light"}
         tree["map"]["starts"] = [list(cell) for cell in self.start_cells]
         vessels = tree["physics"].get("vessels", {})
@@ -150,10 +152,9 @@ class Scenario(Setup):
         )
 
 
-def _rebuilt(tree: dict[str, Any], water: NDArray[np.bool_], name: str) -> Scenario:
+def _rebuilt(tree: dict[str, Any], grid: GridMap) -> Scenario:
     """The scenario that another process had."""
-    settings = scenario_file.scenario_from_tree(tree, "scenario")
-    return Scenario(settings, GridMap(name, water))
+    return Scenario(scenario_file.scenario_from_tree(tree, "scenario"), grid)
 
 
 def load_scenario(
@@ -239,10 +240,12 @@ def _changed(
         file, grid = os.fspath(chosen), None
         values = {"map.file": file, "map.water": "light"} | values
         values.setdefault("map.starts", [] if is_harbour(file) else None)
+        if is_place(file):
+            values.setdefault("map.pitch_m", PITCH_M)
     elif chosen is not None:
         pitch_m = values.get("map.pitch_m", scenario.map.pitch_m)
         found = chosen if isinstance(chosen, Map) else Map(chosen, pitch_m=pitch_m)
-        grid = GridMap(found.name, found.water)
+        grid = GridMap(found.name, found.water, found.place)
         own = {"map.file": found.name, "map.pitch_m": found.pitch_m}
         own["map.starts"] = [list(cell) for cell in found.starts]
         values = own | values
@@ -251,7 +254,7 @@ def _changed(
     changed = scenario_file.with_values(scenario, values, f"scenario {scenario.name}")
     if grid is None:
         return Scenario.of(changed)
-    return Scenario.of(changed, grid.navigable, grid.name)
+    return Scenario.of(changed, grid.navigable, grid.name, grid.place)
 
 
 def _flat(start: str, changes: Mapping[str, Any]) -> "list[tuple[str, Any]]":

@@ -7,6 +7,7 @@ from mjforage.cli import (
     exporting,  # noqa: F401
     hulls,  # noqa: F401
     lists,  # noqa: F401
+    placing,  # noqa: F401
     run_folders,  # noqa: F401
     schemas,  # noqa: F401
     speeds,  # noqa: F401

@@ -26,6 +26,7 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     from mjforage.runs.run_info import RunInfo
     from mjforage.runs.studies.study import StudyInfo
     from mjforage.scenario.capture import Capture
+    from mjforage.scenario.place import Place
     from mjforage.scenario.scenario import Scenario
 
     return {
@@ -33,6 +34,7 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
         "vessel": ("a vessel file", Vessel),
         "capture": ("a vessel's capture model", Capture),
         "debris": ("a file of debris classes", dict[str, DebrisClass]),
+        "place": ("`place.toml` of a place", Place),
         "run": ("`run.json` of a run folder", RunInfo),
         "costs": ("`costs.json` of a run folder", Costs),
         "study": ("`study.json` of a study folder", StudyInfo),

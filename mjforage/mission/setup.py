@@ -1,12 +1,13 @@
 """A scenario with its map: the graph, the fleet and the starts that every mission on it shares."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.geodesics import Int32Array
@@ -15,7 +16,16 @@ from mjforage.mission.initial_state import InitialState, create_initial_state, n
 from mjforage.mission.link.reach import reach_m
 from mjforage.mission.moves import Corruption, MoveRules, reachable_share
 from mjforage.mission.task import Task
-from mjforage.scenario.maps import GridMap, check_starts, grid_of, load_map, load_starts
+from mjforage.scenario.maps import (
+    GridMap,
+    check_starts,
+    grid_of,
+    load_map,
+    load_starts,
+    pitch_of,
+    starts_of,
+)
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.sizes import check_memory, map_bytes, mission_bytes
@@ -30,14 +40,18 @@ class Setup:
 
     @classmethod
     def of(
-        cls, scenario: Scenario, cells: NDArray[np.bool_] | None = None, name: str = "array"
+        cls,
+        scenario: Scenario,
+        cells: NDArray[np.bool_] | None = None,
+        name: str = "array",
+        place: Place | None = None,
     ) -> Self:
         """Load the map and check that the scenario fits on it.
 
         Parameters
         ----------
         cells : (row, column) water, in the place of the scenario's map
-        name : of those cells
+        name, place : of those cells
 
         Raises
         ------
@@ -52,10 +66,10 @@ class Setup:
         if cells is None:
             grid = load_map(choice.file, water=choice.water, **how)
         else:
-            grid = grid_of(cells.copy(), name, **how)
-        setup = cls(scenario, grid)
+            grid = replace(grid_of(cells.copy(), name, **how), place=place)
+        setup = cls(_on(grid, scenario), grid)
         setup.check_memory(1)
-        own = choice.starts is not None
+        own = setup.scenario.map.starts is not None
         owner = f"scenario {scenario.name}" if own else "the .starts.csv beside the map"
         check_starts(setup.start_cells, grid.navigable, owner, choice.file)
         nodes_around(setup.graph, setup.start_nodes, len(setup.fleet))
@@ -149,3 +163,16 @@ class Setup:
             keys,
             scenario.rules.walls,
         )
+
+
+def _on(grid: GridMap, scenario: Scenario) -> Scenario:
+    """The scenario with the pitch of its map, and starts as nodes."""
+    choice = replace(scenario.map, pitch_m=pitch_of(grid, scenario.map.pitch_m))
+    if choice.starts_latlon:
+        if choice.starts is not None:
+            raise UserError(
+                f"scenario {scenario.name}: has map.starts and map.starts_latlon; give one of them"
+            )
+        starts = starts_of(grid, choice.starts_latlon)
+        choice = replace(choice, starts=starts, starts_latlon=())
+    return replace(scenario, map=choice)

@@ -174,6 +174,7 @@ def run_info(
             "nodes": len(setup.graph),
             "pitch_m": setup.scenario.map.pitch_m,
             "navigable": ["".join("01"[int(cell)] for cell in row) for row in navigable],
+            **({"place": asdict(setup.grid.place)} if setup.grid.place else {}),
         },
         "versions": versions(code),
         "code": code.hashes,

@@ -39,6 +39,7 @@ from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
 from mjforage.runs.workers import Workers, policy_import_specs
 from mjforage.scenario.maps import GridMap
+from mjforage.scenario.place import Place
 from mjforage.scenario.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 
 PARENT_CHECK_S = 1.0
@@ -52,6 +53,7 @@ class Job:
     map_name: str
     shape: tuple[int, int]  # of the map
     cells: bytes  # np.packbits of the map's cells
+    place: Place | None
     seed: int
     folder: Path
     hash: str  # of the run
@@ -85,6 +87,7 @@ class Job:
             setup.grid.name,
             (rows, columns),
             np.packbits(setup.grid.navigable).tobytes(),
+            setup.grid.place,
             info["seed"],
             folder.resolve() if workers.elsewhere else folder,
             info["hash"],
@@ -177,7 +180,7 @@ def _setup(job: Job) -> Setup:
         cluster.check_code(job.code, here)
     packed = np.frombuffer(job.cells, np.uint8)
     navigable = np.unpackbits(packed, count=job.shape[0] * job.shape[1]).reshape(job.shape)
-    setup = Setup(scenario, GridMap(job.map_name, navigable.astype(np.bool_)))
+    setup = Setup(scenario, GridMap(job.map_name, navigable.astype(np.bool_), job.place))
     if job.parent is None:
         cluster.check_run(job.folder, job.hash, setup, job.metrics)
     return setup

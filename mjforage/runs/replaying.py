@@ -22,7 +22,7 @@ from mjforage.runs.recording import record
 from mjforage.runs.run_info import AGAIN, RunInfo, load_run
 from mjforage.runs.selection import recording_file
 from mjforage.runs.storage import RunFolder
-from mjforage.scenario.maps import GridMap, check_starts
+from mjforage.scenario.maps import check_starts
 from mjforage.scenario.scenario_file import scenario_from_tree
 
 
@@ -80,7 +80,7 @@ def _setup(run: RunInfo, policy: str, where: str) -> Setup:
         add_policy(policy, ImportSpec(place, ""))
     check_policies([policy])
     scenario = scenario_from_tree(dict(run.scenario), where)
-    setup = Setup(scenario, GridMap(run.map.name, run.map.cells))
+    setup = Setup(scenario, run.map.grid)
     check_starts(setup.start_cells, run.map.cells, where, run.map.name)
     return setup
 

@@ -15,6 +15,8 @@ from mjforage.base.errors import UserError
 from mjforage.base.fields import Note, Within
 from mjforage.mission.scoring import Description
 from mjforage.runs.foreign import check_files, check_length, check_names
+from mjforage.scenario.maps import GridMap
+from mjforage.scenario.place import Place
 from mjforage.scenario.schema import OPEN, check
 
 AGAIN = "run what made this folder again"
@@ -52,6 +54,14 @@ class MapInfo:
     """Distance between the centres of neighbouring nodes."""
     navigable: tuple[str, ...]
     """A text per row, with a 1 for each cell of water and a 0 for land."""
+
+    place: Place | None = None
+    """Where on the globe it lies; absent of a map that is no place."""
+
+    @property
+    def grid(self) -> GridMap:
+        """The map as a scenario has it."""
+        return GridMap(self.name, self.cells, self.place)
 
     @cached_property
     def cells(self) -> NDArray[np.bool_]:

@@ -14,6 +14,7 @@ from mjforage.mission.scoring import Scores
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import PICKUPS
 from mjforage.runs.parquet import read_parquet, read_schema, spoilt
+from mjforage.scenario.place import Place
 
 Columns = dict[str, NDArray[Any] | pl.Series]
 TABLES = ("episodes", "steps", "items", "agents")
@@ -32,6 +33,11 @@ SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
     | {"collisions": pl.Int32, "impact_mps": pl.Float32, "work_j": pl.Float32},
 }
 """Table -> column -> type, in order; in those of `METRIC_COLUMNS` metrics come after."""
+ON_A_PLACE: dict[str, dict[str, type[pl.DataType]]] = {
+    "items": dict.fromkeys(("lat_start_deg", "lon_start_deg"), pl.Float64),
+    "agents": dict.fromkeys(("lat_deg", "lon_deg"), pl.Float64),
+}
+"""Table -> columns that it has besides where the map is a place."""
 METRIC_COLUMNS: dict[str, type[pl.DataType]] = {"episodes": pl.Float64, "steps": pl.Float32}
 """Table -> type of its columns of metrics: those that the run was made with, whichever they are."""
 
@@ -40,7 +46,9 @@ def _frame(table: str, world: str, policy: str, columns: Columns) -> pl.DataFram
     frame = pl.DataFrame(columns).with_columns(
         world=pl.lit(world, pl.String), policy=pl.lit(policy, pl.String)
     )
-    schema = SCHEMAS[table]
+    schema = dict(SCHEMAS[table])
+    if ON_A_PLACE.get(table, {}).keys() & set(frame.columns):
+        schema |= ON_A_PLACE[table]
     if table in METRIC_COLUMNS:
         schema = schema | dict.fromkeys(metric_columns(frame, table), METRIC_COLUMNS[table])
     return frame.select(pl.col(name).cast(kind) for name, kind in schema.items())
@@ -64,7 +72,7 @@ def _steps(episodes: NDArray[np.int64], steps: int, scores: Scores) -> Columns:
     return columns | {key: values.ravel() for key, values in scores.series.items()}
 
 
-def _items(episodes: NDArray[np.int64], log: EpisodeLog) -> Columns:
+def _items(episodes: NDArray[np.int64], log: EpisodeLog, place: Place | None) -> Columns:
     shape = log.t_discovered.shape
     exists = np.arange(shape[1])[None, :] < log.n_items[:, None]
     columns: Columns = {
@@ -73,6 +81,9 @@ def _items(episodes: NDArray[np.int64], log: EpisodeLog) -> Columns:
         "row_start": log.item_start[exists, 0],
         "col_start": log.item_start[exists, 1],
     }
+    if place:
+        latlon = place.latlon(log.item_start[exists])
+        columns |= {"lat_start_deg": latlon[:, 0], "lon_start_deg": latlon[:, 1]}
     for name in ("t_discovered", "discovered_by", "t_collected", "collected_by"):
         values = getattr(log, name)[exists].astype(np.int32)
         series = pl.Series(values)
@@ -88,7 +99,11 @@ def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setup: Setup) -> Colum
     step = np.broadcast_to(np.arange(shape[1])[None, :, None], shape)[made]
     names = np.array(("start", *OUTCOMES))
     direction = pl.Series(log.direction[made])
-    return {
+    columns: Columns = {}
+    if setup.grid.place:
+        latlon = setup.grid.place.latlon(log.agent_rc[made])
+        columns = {"lat_deg": latlon[:, 0], "lon_deg": latlon[:, 1]}
+    return columns | {
         "episode": np.broadcast_to(episodes[:, None, None], shape)[made],
         "step": step,
         "agent": np.broadcast_to(np.arange(shape[2]), shape)[made],
@@ -131,7 +146,7 @@ def frames(
     columns: dict[str, Columns] = {
         "episodes": _episodes(episodes, log, scores),
         "steps": _steps(episodes, setup.scenario.horizon + 1, scores),
-        "items": _items(episodes, log),
+        "items": _items(episodes, log, setup.grid.place),
         "agents": _agents(episodes, log, setup),
     }
     return {name: _frame(name, world, policy, columns[name]) for name in TABLES}
@@ -153,8 +168,9 @@ def check_table(path: Path, table: str, remedy: str = "") -> None:
     """
     schema = read_schema(path, remedy)
     wrong = {name for name, kind in SCHEMAS[table].items() if schema.get(name) != kind}
-    metrics = METRIC_COLUMNS.get(table)
-    wrong |= {name for name in set(schema) - set(SCHEMAS[table]) if schema[name] != metrics}
+    metrics, known = METRIC_COLUMNS.get(table), ON_A_PLACE.get(table, {})
+    more = set(schema) - set(SCHEMAS[table])
+    wrong |= {name for name in more if schema[name] not in (metrics, known.get(name))}
     if wrong:
         names = ", ".join(sorted(wrong))
         raise UserError(

@@ -51,7 +51,7 @@ def map_path(reference: str) -> Path:
     UserError
         If there is no such map or file.
     """
-    return named_file("map", reference, shipped_maps(), "a file of a table or an image")
+    return named_file("map", reference, shipped_maps(), "a file of a table or an image, or a place")
 
 
 def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bool_]:

@@ -5,6 +5,7 @@ Rows and columns are counted from 0, row 0 at the north edge, column 0 at the we
 
 import logging
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,8 +17,11 @@ from mjforage.scenario.assets import models_folder
 from mjforage.scenario.harbours import harbour, harbour_cells, is_harbour
 from mjforage.scenario.map_files import WaterIs, is_shipped_map, map_path, read_cells
 from mjforage.scenario.map_formats.levels import LIGHT, check_size, levels_of
+from mjforage.scenario.place import GRID_FILE, Place, is_place, place_path, read_place
 
 Starts = tuple[tuple[int, int], ...]
+LatLon = tuple[tuple[float, float], ...]
+PITCH_M = 4.0  # of a map that has none of its own
 
 logger = logging.getLogger(__name__)
 
@@ -32,12 +36,14 @@ class GridMap:
     Attributes
     ----------
     name : name of a shipped map (``comb_port``) or of a generated harbour with its size
-        (``harbour:combs:7:60x46``), or file name of a user's (``port.csv``)
+        (``harbour:combs:7:60x46``), or file name of a user's (``port.csv``), of a place its folder
     navigable : (row, column) bool, read-only
+    place : where on the globe it lies, of a map that was made by `mjforage place`
     """
 
     name: str
     navigable: NDArray[np.bool_]
+    place: Place | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "navigable", read_only(self.navigable))
@@ -60,7 +66,7 @@ def load_map(
     Parameters
     ----------
     reference : name of a shipped map (``comb_port`` or ``comb-port``) or of a generated harbour
-        (``harbour:combs:7``), or path of a map file (see `read_cells`)
+        (``harbour:combs:7``), or path of a map file (see `read_cells`) or of a place
     corner_cutting : True if a diagonal move may pass beside a land cell or between two
     largest_component : make an obstacle of every node outside the largest component
     water : which cells of a file are water (see `read_cells`)
@@ -77,9 +83,74 @@ def load_map(
     if is_harbour(reference):
         which = harbour(reference)
         return GridMap(which.name, harbour_cells(which))
+    if is_place(reference):
+        return _map_of_place(place_path(reference), water, corner_cutting, largest_component)
     path = map_path(reference)
     name = path.stem if path.parent == models_folder() / "maps" else path.name
     return grid_of(read_cells(path, name, water), name, corner_cutting, largest_component)
+
+
+def _map_of_place(
+    path: Path, water: WaterIs, corner_cutting: bool, largest_component: bool
+) -> GridMap:
+    place, name = read_place(path), path.absolute().parent.name
+    cells = read_cells(path.with_name(GRID_FILE), f"{name} ({GRID_FILE})", water)
+    if cells.shape != (place.rows, place.columns):
+        raise UserError(
+            f"place {path}: has {place.rows} rows and {place.columns} columns, {GRID_FILE} beside "
+            f"it {cells.shape[0]} and {cells.shape[1]}; make the place again"
+        )
+    found = grid_of(cells, name, corner_cutting, largest_component)
+    return GridMap(name, found.navigable, place)
+
+
+def pitch_of(grid: GridMap, pitch_m: float) -> float:
+    """Pitch of a map [m]: that of its place, else as given.
+
+    Raises
+    ------
+    UserError
+        If another than the usual one is given for a place.
+    """
+    if grid.place is None or pitch_m == grid.place.pitch_m:
+        return pitch_m
+    if pitch_m != PITCH_M:
+        raise UserError(
+            f"map {grid.name}: pitch_m = {pitch_m:g} of a place made at {grid.place.pitch_m:g} m; "
+            "leave it out, or make the place at that pitch"
+        )
+    return grid.place.pitch_m
+
+
+def starts_of(grid: GridMap, latlon: LatLon) -> Starts:
+    """Nodes of starts in latitude and longitude.
+
+    Raises
+    ------
+    UserError
+        If the map is no place, or a start is outside it or on land.
+    """
+    if grid.place is None:
+        raise UserError(
+            f"map {grid.name}: has no latitude and longitude, so give map.starts in rows and "
+            "columns; mjforage place makes maps that have them"
+        )
+    found: list[tuple[int, int]] = []
+    rows, columns = grid.navigable.shape
+    for here, cell in zip(latlon, grid.place.cells(latlon), strict=True):
+        row, column = (int(part) for part in np.rint(cell))
+        inside = 0 <= row < rows and 0 <= column < columns
+        if not (inside and grid.navigable[row, column]) or (row, column) in found:
+            fault = (
+                "outside" if not inside else "on land" if not grid.navigable[row, column] else ""
+            )
+            raise UserError(
+                f"start {here[0]:g}, {here[1]:g} (latitude, longitude) is "
+                f"{fault or 'in the node of another'} in map {grid.name}; give map.starts_latlon "
+                "on its water, which harbour.png shows"
+            )
+        found.append((row, column))
+    return tuple(found)
 
 
 def water_of_array(grid: ArrayLike) -> NDArray[np.bool_]:
@@ -215,7 +286,7 @@ def load_starts(reference: str) -> Starts | None:
     """
     if is_harbour(reference):
         return None
-    path = map_path(reference)
+    path = place_path(reference) if is_place(reference) else map_path(reference)
     file = path.with_name(f"{path.stem}.starts.csv")
     if not file.is_file():
         return None

@@ -15,6 +15,8 @@ from mjforage.scenario.prior import Prior
 from mjforage.scenario.roles import Role
 
 _Cell = Annotated[int, Within(-(2**63), 2**63 - 1)]  # of a grid; the map says which there are
+_Latitude = Annotated[float, Within(-90, 90, "deg")]
+_Longitude = Annotated[float, Within(-180, 180, "deg")]
 _OAK = source("Luxonis OAK-D W: depth error below 2, 4, 6 % up to 3.5, 6.5, 9 m; 127 deg")
 
 
@@ -23,16 +25,18 @@ class MapChoice:
     """The grid, the rules of its graph, and the start nodes of the agents."""
 
     file: str
-    """Name of a shipped map or a generated harbour (`harbour:combs:7`), or path of a table, grid or
-    image from the scenario's folder."""
+    """Name of a shipped map or a generated harbour (`harbour:combs:7`), or path of a table, grid,
+    image or place (a folder of `mjforage place`) from the scenario's folder."""
     pitch_m: Annotated[float, Within(1e-3, 1e6, "m")] = 4.0
-    """Distance between the centres of neighbouring nodes."""
+    """Distance between the centres of neighbouring nodes; a place has its own."""
     corner_cutting: bool = False
     """True: diagonal moves may cut corners of the land."""
     largest_component: bool = False
     """True: only the largest connected part of the map is used."""
     starts: tuple[tuple[_Cell, _Cell], ...] | None = None
     """(row, column) to assign at random; absent: those beside the map; []: a random cluster."""
+    starts_latlon: tuple[tuple[_Latitude, _Longitude], ...] = ()
+    """(latitude, longitude) of the starts on a place, in the place of `starts`."""
     water: Literal["light", "dark"] = "light"
     """Cells of a file that are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
 

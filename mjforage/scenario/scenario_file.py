@@ -18,6 +18,7 @@ from mjforage.base.toml_files import read_toml
 from mjforage.scenario.assets import named_file, shipped_files
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
+from mjforage.scenario.place import is_place
 from mjforage.scenario.scenario import POSITIONING_KEYS, SCAN_BYTES, Link, Scenario, Sensors
 from mjforage.scenario.schema import NAME, check, rows, shown
 
@@ -57,7 +58,7 @@ def load_scenario(
     reference : name of a preset, or path of a TOML file
     overrides : for example `team.scouts.count=3`; values in TOML syntax, bare words are strings
     map_file : replaces `map.file`, and `map.water` by its default; everything else stays, starts
-        too unless it is a generated harbour, where a cluster is drawn
+        too unless it is a generated harbour, where a cluster is drawn, or a place
     water : replaces `map.water`
 
     Raises
@@ -73,6 +74,9 @@ def load_scenario(
         tree["map"].pop("water", None)
         if is_harbour(map_file):
             _put(tree, ["map", "starts"], [], f"map {map_file}")
+        elif is_place(map_file):
+            for key in ("starts", "pitch_m"):
+                tree["map"].pop(key, None)
     if water is not None:
         _put(tree, ["map", "water"], water, f"water {water}")
     teams, overrides = tree.get("team"), list(overrides)

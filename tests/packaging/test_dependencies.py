@@ -76,6 +76,6 @@ def test_lowest_versions_are_those_that_are_allowed() -> None:
     lines = (REPOSITORY / "lowest.txt").read_text("utf-8").splitlines()
     lowest = dict(line.split("==") for line in lines if line and not line.startswith("#"))
     extras = PROJECT["optional-dependencies"]
-    for line in (*PROJECT["dependencies"], *extras["film"], *extras["cluster"]):
+    for line in (*PROJECT["dependencies"], *extras["film"], *extras["cluster"], *extras["places"]):
         (bound,) = [one.version for one in Requirement(line).specifier if one.operator == ">="]
         assert Version(lowest[name_of(line)]) == Version(bound), line

@@ -33,7 +33,7 @@ USERS_OWN = (
 
 EXTRAS = (
     *("av", "distributed", "stable_baselines3", "tensorboard", "tensordict", "torch"),
-    "torchrl",
+    *("torchrl", "pyogrio", "pyproj", "shapely"),
 )
 """Modules that an installation without extras lacks."""
 

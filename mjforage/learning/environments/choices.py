@@ -12,7 +12,8 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
 from mjforage.scenario.harbours import is_harbour
-from mjforage.scenario.maps import water_of_array
+from mjforage.scenario.maps import PITCH_M, water_of_array
+from mjforage.scenario.place import is_place
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import load_scenario, with_overrides, with_values
 
@@ -52,11 +53,12 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
 
     Raises `UserError` if one of them is of another type, or the scenario is not a valid one.
     """
-    given = list(_given(overrides))
+    given, place = list(_given(overrides)), None
     if isinstance(scenario, Setup):
         if grid is None and not given:
             return scenario
-        grid = scenario.grid.navigable if grid is None else grid
+        if grid is None:
+            grid, place = scenario.grid.navigable, scenario.grid.place
         scenario = scenario.scenario
     if not isinstance(scenario, str | Path | Scenario):
         raise _unknown("scenario", scenario, "a preset's name, a TOML file or a Scenario")
@@ -67,12 +69,14 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
         found = with_values(found, {"map.starts": []}, "map")
     elif isinstance(grid, str | Path):
         starts: dict[str, object] = {"map.starts": []} if is_harbour(str(grid)) else {}
+        if is_place(str(grid)):
+            starts = {"map.starts": None, "map.pitch_m": PITCH_M}
         found = with_values(
             found, {"map.file": str(grid), "map.water": "light", **starts}, f"map {grid}"
         )
     elif grid is not None:
         raise _unknown("map", grid, "a name, a file or an array (row, column) of booleans")
-    return Setup.of(with_overrides(found, given) if given else found, cells)
+    return Setup.of(with_overrides(found, given) if given else found, cells, place=place)
 
 
 def _given(overrides: object) -> Iterator[str]:

@@ -26,6 +26,9 @@ PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["pro
         ("OpenGL.GL", "film"),
         ("distributed", "cluster"),
         ("stable_baselines3.common", "libraries"),
+        ("pyogrio.raw", "places"),
+        ("shapely", "places"),
+        ("pyproj", "places"),
         ("numpy", ""),
         ("no_such_thing", ""),
     ],
@@ -61,6 +64,9 @@ def test_a_check_that_needs_no_torch_loads_none() -> None:
         "av",
         "OpenGL",
         "distributed",
+        "pyogrio",
+        "pyproj",
+        "shapely",
     ]
     program = f"""
 import sys

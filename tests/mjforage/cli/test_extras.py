@@ -9,7 +9,7 @@ import pytest
 
 BLOCKED = (
     *("torch", "torchrl", "tensordict", "tensorboard", "av", "OpenGL", "distributed"),
-    "stable_baselines3",
+    *("stable_baselines3", "pyogrio", "pyproj", "shapely"),
 )
 REMEDY = "install it with pip install 'mjforage["
 SHORT = ("comb-port", "--episodes", "1", "--set", "horizon=4")
@@ -34,6 +34,7 @@ LACKS = {
     ("train", "ddqn", "--updates", "1"): "train ddqn: needs torch; @learn",
     ("train", "mappo", "--updates", "1"): "train mappo: needs torch; @learn",
     ("bench",): "bench: needs torch; @learn",
+    ("place", "a.geojson", "--out", "a"): "place a.geojson: needs pyogrio; @places",
 }
 Outcomes = dict[tuple[str, ...], tuple[int, str]]
 PROGRAM = f"""

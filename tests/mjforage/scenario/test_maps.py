@@ -98,7 +98,7 @@ def test_loaded_map_cannot_be_changed() -> None:
         ("no/such/Channels.csv", "did you mean channels?"),
         (
             "zzz.csv",
-            f"nor a file of a table or an image; choose {', '.join(shipped_maps())}",
+            f"nor a file of a table or an image, or a place; choose {', '.join(shipped_maps())}",
         ),
         ("", "neither a shipped map"),
         ("x" * 5000, "map xxx"),

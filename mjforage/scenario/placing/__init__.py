@@ -1,0 +1,1 @@
+"""Making places: the water of charts, outlines and images on a grid."""

@@ -1,0 +1,70 @@
+"""Cells of a place: the share of each that is water, and the nodes."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_WHOLE = 1e-9
+
+
+def water_shares(
+    water: Any, rows: int, columns: int, pitch_m: float, fine: int
+) -> NDArray[np.float64]:
+    """(row, column) share of each cell that is water, exactly: cut in halves until it is all or
+    nothing, or one cell.
+
+    Parameters
+    ----------
+    water : geometry of shapely in the frame of the place [m]
+    rows, columns, pitch_m : of the place's grid
+    fine : cells of the result along one of those
+    """
+    import shapely
+
+    rows, columns, side = rows * fine, columns * fine, pitch_m / fine
+    corner = -0.5 * pitch_m
+    shares = np.zeros((rows, columns))
+    left = [(water, 0, 0, rows, columns)]
+    while left:
+        shape, top, west, bottom, east = left.pop()
+        low = corner + west * side, corner + (rows - bottom) * side
+        high = corner + east * side, corner + (rows - top) * side
+        part = shapely.clip_by_rect(shape, *low, *high)
+        share = part.area / ((high[0] - low[0]) * (high[1] - low[1]))
+        tall, wide = bottom - top, east - west
+        if share < _WHOLE:
+            continue
+        if share > 1.0 - _WHOLE or tall * wide == 1:
+            shares[top:bottom, west:east] = min(share, 1.0)
+        elif tall >= wide:
+            middle = top + tall // 2
+            left += [(part, top, west, middle, east), (part, middle, west, bottom, east)]
+        else:
+            middle = west + wide // 2
+            left += [(part, top, west, bottom, middle), (part, top, middle, bottom, east)]
+    return shares
+
+
+def without_barriers(
+    nodes: NDArray[np.bool_], shares: NDArray[np.float64], water: Any, pitch_m: float
+) -> NDArray[np.bool_]:
+    """The nodes without those that land bars from a neighbour, as a pontoon thinner than a cell.
+
+    Of two neighbours whose straight connection crosses land, the one with less water goes.
+    """
+    import shapely
+
+    shapely.prepare(water)
+    kept, rows = nodes.copy(), len(nodes)
+    for down, right in ((0, 1), (1, 0)):
+        here, there = np.s_[: rows - down, : nodes.shape[1] - right], np.s_[down:, right:]
+        partly = (shares[here] < 1.0 - _WHOLE) | (shares[there] < 1.0 - _WHOLE)
+        start = np.argwhere(nodes[here] & nodes[there] & partly)
+        end = start + np.array([down, right])
+        ways = np.stack((start, end), axis=1)[..., ::-1] * [1.0, -1.0] + [0.0, rows - 1]
+        barred = ~shapely.covers(water, shapely.linestrings(ways * pitch_m))
+        for first, second in zip(start[barred], end[barred], strict=True):
+            less = first if shares[tuple(first)] < shares[tuple(second)] else second
+            kept[tuple(less)] = False
+    return kept

@@ -1,0 +1,255 @@
+"""The water among outlines: which features are water and land, widths of lines, and coastlines."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
+from mjforage.scenario.placing.outlines import Outlines
+
+Shapes = NDArray[np.object_]
+Rule = tuple[str, str]  # key and value of a tag; any value if empty
+WATER: Mapping[str, Sequence[Rule]] = {
+    "s57": [("layer", "DEPARE"), ("layer", "DRGARE")],
+    "osm": [
+        *(("natural", "water"), ("natural", "bay"), ("natural", "strait")),
+        *(("waterway", "riverbank"), ("waterway", "dock"), ("landuse", "basin")),
+        ("landuse", "reservoir"),
+    ],
+}
+LAND: Mapping[str, Sequence[Rule]] = {
+    "s57": [
+        *(("layer", "LNDARE"), ("layer", "SLCONS"), ("layer", "PONTON"), ("layer", "FLODOC")),
+        *(("layer", "DAMCON"), ("layer", "GATCON"), ("layer", "CAUSWY"), ("layer", "HULKES")),
+    ],
+    "osm": [
+        *(("man_made", "pier"), ("man_made", "breakwater"), ("man_made", "groyne")),
+        *(("man_made", "quay"), ("natural", "coastline"), ("place", "island")),
+        *(("place", "islet"), ("waterway", "dam"), ("waterway", "lock_gate")),
+    ],
+}
+WIDTH_M = {
+    "breakwater": 6.0,
+    "mole": 8.0,
+    "promenade pier": 6.0,
+} | dict.fromkeys(("groyne", "quay", "wharf", "training wall", "dam"), 3.0)
+_SLIT_M = 0.05
+_VOTE_M = 5.0  # of a coastline, that says on which side of it there is water
+PIER_M = 2.0  # of piers, pontoons, and all lines that have no width of their own
+_CATSLC = dict(
+    zip(
+        "1234567",
+        ("breakwater", "groyne", "mole", "pier", "promenade pier", "wharf", "training wall"),
+        strict=True,
+    )
+)
+"""Shoreline constructions of S-57."""
+_AREA = ("Polygon", "MultiPolygon")
+_LINE = ("LineString", "MultiLineString", "LinearRing")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What the caller says of a file's features.
+
+    Attributes
+    ----------
+    water, land : filters KEY=VALUE or KEY, in the place of the usual ones
+    pier_width_m : width of all lines; None: that of their kind
+    min_depth_m : depth below which a chart's water counts as land
+    """
+
+    water: tuple[str, ...] = ()
+    land: tuple[str, ...] = ()
+    pier_width_m: float | None = None
+    min_depth_m: float | None = None
+
+
+def water_of(outlines: Outlines, shapes: Shapes, choice: Choice, box: Any) -> tuple[Any, list[str]]:
+    """The water in a box, as one geometry, and remarks on how it was found.
+
+    Parameters
+    ----------
+    shapes : (feature,) of the outlines' tags, valid, in the frame of the place [m]
+    box : polygon of the place
+
+    Raises
+    ------
+    UserError
+        If a filter fits no feature, or none is water or land.
+    """
+    import shapely
+
+    tags, kind = outlines.tags, outlines.kind
+    kinds = "osm" if kind == "plain" else kind
+    names = np.array([_type(shape) for shape in shapes])
+    is_water = _fit(tags, choice.water, "--water", WATER[kinds])
+    is_land = _fit(tags, choice.land, "--land", LAND[kinds])
+    coast = np.array([tag.get("natural") == "coastline" for tag in tags]) & (names == "line")
+    remarks, shallow = [], _too_shallow(outlines, choice)
+    if not (is_water | is_land).any():
+        if kind != "plain" or not (names == "area").any():
+            raise UserError(
+                f"place: none of {len(tags)} features is known as water or land; say which are by "
+                f"--water KEY=VALUE or --land KEY=VALUE, with {_keys(tags)}"
+            )
+        is_water = names == "area"
+        remarks.append(f"all {is_water.sum()} polygons taken for water; --water, --land filter")
+    is_water &= (names == "area") & ~shallow
+    under = np.array([tag.get("WATLEV") == "3" for tag in tags]) & (kind == "s57")
+    is_land &= (names != "point") & ~coast & ~under
+    if shallow.any():
+        remarks.append(f"{shallow.sum()} depth areas are shallower than --min-depth, and land")
+    sea = _seaward(shapes[coast], box, remarks) if coast.any() and not choice.water else None
+    waters = [*shapes[is_water], *([sea] if sea is not None else [])]
+    solid = [*shapes[is_land & (names == "area")], *_wide(shapes, tags, is_land, choice, remarks)]
+    if not waters and (choice.water or kind == "s57" or not solid):
+        raise UserError("place: no polygon is water there; give another crop, --water, --min-depth")
+    if not waters:
+        remarks.append("no polygon of water and no coastline: all that is not land taken for water")
+    water = _closed(shapely.union_all(waters)) if waters else box
+    water = shapely.intersection(shapely.difference(water, shapely.union_all(solid)), box)
+    remarks += _dropped(tags, names, ~(is_water | is_land | coast | shallow))
+    return _areas(water), remarks
+
+
+def _closed(water: Any) -> Any:
+    """Water without the slits that rounding leaves between neighbouring polygons."""
+    import shapely
+
+    wider = shapely.buffer(water, _SLIT_M, join_style="mitre")
+    return shapely.buffer(wider, -_SLIT_M, join_style="mitre")
+
+
+def _type(shape: Any) -> str:
+    """Kind of a geometry: area, line or point; of a collection, the largest."""
+    parts = {one.geom_type for one in getattr(shape, "geoms", [shape])} | {shape.geom_type}
+    for name, some in (("area", _AREA), ("line", _LINE)):
+        if parts & set(some):
+            return name
+    return "point"
+
+
+def _areas(shape: Any) -> Any:
+    """The polygons of a geometry, as one."""
+    import shapely
+
+    parts = [one for one in getattr(shape, "geoms", [shape]) if one.geom_type in _AREA]
+    return shapely.union_all(parts) if len(parts) > 1 else shapely.MultiPolygon(parts)
+
+
+def _fit(
+    tags: Sequence[Mapping[str, str]], filters: Sequence[str], flag: str, usual: Sequence[Rule]
+) -> NDArray[np.bool_]:
+    """(feature,) whether it fits one of the filters, or of the usual rules if there are none."""
+    found = np.zeros(len(tags), np.bool_)
+    for key, value in [_rule(text, flag) for text in filters] or usual:
+        fits = np.array([key in tag and value in ("", tag[key]) for tag in tags])
+        if filters and not fits.any():
+            known = {one for tag in tags for one in tag}
+            values = {tag[key] for tag in tags if key in tag}
+            close = nearest(value, sorted(values)) if key in known else nearest(key, sorted(known))
+            raise UserError(f"{flag} {key}{'=' * bool(value)}{value}: fits no feature; {close}")
+        found |= fits
+    return found
+
+
+def _rule(text: str, flag: str) -> Rule:
+    key, _, value = (part.strip() for part in text.partition("="))
+    if not key or ("=" in text and not value):
+        raise UserError(f"{flag} {text!r}: give KEY=VALUE, for example natural=water, or KEY")
+    return key, value
+
+
+def _keys(tags: Sequence[Mapping[str, str]]) -> str:
+    known = Counter(key for tag in tags for key in tag)
+    return ", ".join(key for key, _ in known.most_common(8))
+
+
+def _too_shallow(outlines: Outlines, choice: Choice) -> NDArray[np.bool_]:
+    """(feature,) whether it is a depth area of a chart whose least depth is too small."""
+    depth = np.array([float(tag.get("DRVAL1", "nan")) for tag in outlines.tags])
+    if choice.min_depth_m is not None and not np.isfinite(depth).any():
+        raise UserError(
+            f"--min-depth {choice.min_depth_m:g}: none of the features has a depth (DRVAL1), as "
+            "those of S-57 charts have; leave it out"
+        )
+    least = 0.0 if choice.min_depth_m is None else choice.min_depth_m
+    charted = np.array([tag["layer"] in ("DEPARE", "DRGARE") for tag in outlines.tags])
+    return np.asarray((depth < least) & charted)
+
+
+def _wide(
+    shapes: Shapes,
+    tags: Sequence[Mapping[str, str]],
+    is_land: NDArray[np.bool_],
+    choice: Choice,
+    remarks: list[str],
+) -> Iterable[Any]:
+    """Land lines as areas of their widths; a closed line is the area in it."""
+    import shapely
+
+    told: Counter[tuple[str, float]] = Counter()
+    for i in np.flatnonzero(is_land).tolist():
+        shape, tag = shapes[i], tags[i]
+        if shape.geom_type not in _LINE:
+            continue
+        if shapely.is_closed(shape) and shape.geom_type == "LineString":
+            yield shapely.make_valid(shapely.Polygon(shape))
+        name = tag.get("man_made") or _CATSLC.get(tag.get("CATSLC", ""), "") or tag["layer"]
+        width = choice.pier_width_m or _number(tag.get("width")) or WIDTH_M.get(name, PIER_M)
+        told[name, width] += 1
+        yield shapely.buffer(shape, 0.5 * width, cap_style="flat", join_style="mitre")
+    for (name, width), count in sorted(told.items()):
+        remarks.append(f"{count} lines of {name} taken as {width:g} m wide (--pier-width)")
+
+
+def _number(text: str | None) -> float:
+    """A width in metres, or 0 if there is none."""
+    try:
+        width = float((text or "").removesuffix("m").strip() or 0.0)
+    except ValueError:
+        return 0.0
+    return width if 0.0 < width < 1000.0 else 0.0
+
+
+def _seaward(lines: Shapes, box: Any, remarks: list[str]) -> Any:
+    """Faces of a box to the right of coastlines, where OpenStreetMap has the water."""
+    import shapely
+
+    net = shapely.union_all([*lines, shapely.boundary(box)])
+    faces = np.array(shapely.get_parts(shapely.polygonize([*shapely.get_parts(net)])))
+    parts = shapely.get_parts(shapely.segmentize(lines, _VOTE_M))
+    ends = [shapely.get_coordinates(part) for part in parts]
+    start, end = (np.concatenate([xy[cut] for xy in ends]) for cut in (slice(-1), slice(1, None)))
+    way = end - start
+    length = np.hypot(*way.T)
+    start, way, length = start[length > 0], way[length > 0], length[length > 0]
+    off = np.stack((way[:, 1], -way[:, 0]), axis=-1) / length[:, None] * 0.01  # to the right [m]
+    votes, tree = np.zeros((2, len(faces))), shapely.STRtree(faces)
+    for side, sign in enumerate((1.0, -1.0)):
+        points = shapely.points(start + 0.5 * way + sign * off)
+        which, face = tree.query(points, predicate="within")
+        np.add.at(votes[side], face, length[which])
+    sea, land = votes
+    if (torn := (np.minimum(sea, land) > 0.2 * np.maximum(sea, land))).any():
+        remarks.append(
+            f"{torn.sum()} faces have coastlines of both senses, perhaps for one that ends inside "
+            "the crop; look at harbour.png, and give a crop that all coastlines leave"
+        )
+    return shapely.union_all(faces[sea > land])
+
+
+def _dropped(
+    tags: Sequence[Mapping[str, str]], names: NDArray[Any], left: NDArray[np.bool_]
+) -> list[str]:
+    """A line on the features that are neither water nor land."""
+    some = Counter(f"{tags[i]['layer']} ({names[i]})" for i in np.flatnonzero(left).tolist())
+    if not some:
+        return []
+    return ["left out: " + ", ".join(f"{count} {name}" for name, count in sorted(some.items()))]
