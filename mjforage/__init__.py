@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from mjforage.api.maps import Map
     from mjforage.api.missions import Mission, State, make_mission
     from mjforage.api.names import names
-    from mjforage.api.places import place
     from mjforage.api.run import Run
     from mjforage.api.scenarios import Scenario, load_scenario
     from mjforage.api.studies import Study, board, study
@@ -52,7 +51,6 @@ _PLACES = {
     "load_vessel": "physics.vessels",
     "make_mission": "api.missions",
     "names": "api.names",
-    "place": "api.places",
     "study": "api.studies",
     "train": "api.training",
 }
@@ -77,7 +75,6 @@ __all__ = [
     "make_mission",
     "names",
     "parallel_env",
-    "place",
     "study",
     "train",
 ]

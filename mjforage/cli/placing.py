@@ -62,7 +62,7 @@ def place(
     licence
         Licence of the file, to be shown with what is made from it; default what its format says.
     """
-    from mjforage.api.places import place as make
+    from mjforage.api.maps import Map
 
     try:
         box = None if crop is None else [float(edge) for edge in crop.split(",")]
@@ -72,7 +72,7 @@ def place(
             f"--crop {crop}, --rotate {rotate}: give four numbers with commas, and a number or auto"
         ) from error
     with working("place"):
-        made = make(
+        made = Map.of_chart(
             file,
             out,
             pitch_m=pitch,

@@ -28,7 +28,7 @@ def harbour(tmp_path_factory: pytest.TempPathFactory) -> Path:
     turned = [shapely.affinity.rotate(shape, -10.0, origin=(0, 0)) for shape in (BASIN, PIER)]
     features = [(turned[0], {"natural": "water"}), (turned[1], {"man_made": "breakwater"})]
     source = geojson(folder / "basin.geojson", features)
-    mf.place(source, folder / "port", pitch_m=4.0, rotate="auto", licence="drawn for a test")
+    mf.Map.of_chart(source, folder / "port", pitch_m=4.0, rotate="auto", licence="drawn for a test")
     return folder / "port"
 
 
@@ -70,7 +70,7 @@ def test_a_scenario_of_a_place(harbour: Path, tmp_path: Path) -> None:
 
 def test_a_place_brings_its_pitch_and_no_starts_of_another_map(tmp_path: Path) -> None:
     source = geojson(tmp_path / "basin.geojson", [(BASIN, {})])
-    made = mf.place(source, tmp_path / "fine", pitch_m=2.0)
+    made = mf.Map.of_chart(source, tmp_path / "fine", pitch_m=2.0)
     for scenario in (
         mf.load_scenario("comb-port", map=tmp_path / "fine"),
         mf.load_scenario("comb-port", map=made),

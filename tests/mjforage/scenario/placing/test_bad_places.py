@@ -110,7 +110,7 @@ def one_line(call: Callable[[], object], words: str) -> None:
 def test_what_no_place_is_made_of(
     folder: Path, tmp_path: Path, name: str, arguments: dict[str, Any], words: str
 ) -> None:
-    one_line(lambda: mf.place(folder / name, tmp_path / "out", **arguments), words)
+    one_line(lambda: mf.Map.of_chart(folder / name, tmp_path / "out", **arguments), words)
     assert not (tmp_path / "out").exists()
 
 
@@ -127,7 +127,7 @@ PLACES = {
 
 @pytest.mark.parametrize("name", PLACES)
 def test_a_spoilt_place_is_refused(folder: Path, tmp_path: Path, name: str) -> None:
-    mf.place(folder / "good.geojson", tmp_path / "place")
+    mf.Map.of_chart(folder / "good.geojson", tmp_path / "place")
     pattern, by, words = PLACES[name]
     file = tmp_path / "place" / "place.toml"
     file.write_text(re.sub(pattern, by, file.read_text()))
@@ -136,13 +136,13 @@ def test_a_spoilt_place_is_refused(folder: Path, tmp_path: Path, name: str) -> N
 
 @pytest.mark.parametrize("text", ["", "{}", '{"features": []}', '{"features": [{"geometry": 1}]}'])
 def test_spoilt_quays_are_refused(folder: Path, tmp_path: Path, text: str) -> None:
-    mf.place(folder / "good.geojson", tmp_path / "place")
+    mf.Map.of_chart(folder / "good.geojson", tmp_path / "place")
     (tmp_path / "place" / "quays.geojson").write_text(text)
     one_line(lambda: mf.Map(tmp_path / "place"), "not lines of x, y")
 
 
 def test_a_scenario_that_does_not_fit_its_place_is_refused(folder: Path, tmp_path: Path) -> None:
-    made = mf.place(folder / "good.geojson", tmp_path / "place")
+    made = mf.Map.of_chart(folder / "good.geojson", tmp_path / "place")
     assert made.place is not None
     here = made.place.latlon([[1, 1], [200, 1]]).tolist()
     (tmp_path / "none").mkdir()
