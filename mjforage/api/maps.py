@@ -177,8 +177,8 @@ class Map:
 
     @property
     def place(self) -> Place | None:
-        """Where on the globe it lies: ``place.latlon(cells)`` has latitude and longitude of rows
-        and columns, ``place.cells(latlon)`` the way back; None of other maps.
+        """Place on the globe: ``place.latlon(cells)`` has latitude and longitude of rows and
+        columns, ``place.cells(latlon)`` the way back; None of maps that are no place.
         """
         return self._grid.place
 

@@ -56,7 +56,7 @@ class MapInfo:
     """A text per row, with a 1 for each cell of water and a 0 for land."""
 
     place: Place | None = None
-    """Where on the globe it lies; absent of a map that is no place."""
+    """Place on the globe; absent of a map that is no place."""
 
     @property
     def grid(self) -> GridMap:

@@ -29,7 +29,7 @@ _SIMPLE_M = 0.02  # by which the outlines of quays may be simplified
 
 @dataclass(frozen=True)
 class Layout:
-    """How a place lies and what its grid is.
+    """Frame and grid of a place.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ def _channels(
 
 
 def _borders(place: Place, nodes: NDArray[np.bool_]) -> list[str]:
-    """Where the water goes on beyond the grid, at whose edge vessels and items stay."""
+    """Stretches of the grid's edge beyond which water goes on; vessels and items stay inside."""
     lines = []
     for edge, first, last in open_borders(nodes):
         along = 0 if edge in ("left", "right") else 1

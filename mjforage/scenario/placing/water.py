@@ -55,7 +55,7 @@ _LINE = ("LineString", "MultiLineString", "LinearRing")
 
 @dataclass(frozen=True)
 class Choice:
-    """What the caller says of a file's features.
+    """Choices of a caller among a file's features.
 
     Attributes
     ----------
