@@ -27,9 +27,9 @@ Definition"; statistics over episodes come beside them.
 | contacts, delay of news | `contact_share`, `handover` | |
 | mean, IQM | `mean`, `iqm`, `count` | |
 | standard error | `sem`, `stratified_sem`, `half_width_95` | tables (1.96 SEM) |
-| bootstrap interval, summary | `bootstrap`, `summarise` | |
-| two policies compared | `paired_difference`, `paired_p`, `probability_of_improvement` | |
-| several comparisons at once | `holm` | |
+| interval of a mean, mean of the worst 5 % | `mean_interval`, `worst_mean` | |
+| paired differences, one or a family | `compared`, `episodes_needed` | |
+| two policies, run by run | `probability_of_improvement` | |
 | several tasks at once | `normalised`, `resampled_means`, `performance_profile` | |
 | quality against cost | `pareto_front` | |
 
@@ -51,9 +51,10 @@ from mjforage.metrics.calibration import (
     reliability,
 )
 from mjforage.metrics.comparison import (
-    holm,
-    paired_difference,
-    paired_p,
+    FEWEST,
+    Family,
+    compared,
+    episodes_needed,
     probability_of_improvement,
 )
 from mjforage.metrics.events import NEVER, NOBODY, EventTable, counts_by_step
@@ -65,6 +66,7 @@ from mjforage.metrics.information import (
     unlikeness,
 )
 from mjforage.metrics.inter_team import csr_series, itl, itl_level, mean_dsl
+from mjforage.metrics.intervals import Interval, mean_interval, worst_mean
 from mjforage.metrics.intra_team import (
     contributions,
     coverage_overlap,
@@ -75,7 +77,6 @@ from mjforage.metrics.intra_team import (
 from mjforage.metrics.marginal import paired_contribution
 from mjforage.metrics.model_error import model_error
 from mjforage.metrics.primary import irr, mean_idleness, nt, pta_series, throughput
-from mjforage.metrics.resampling import Interval, bootstrap
 from mjforage.metrics.sensitivity import (
     Line,
     SensitivityIntervals,
@@ -85,35 +86,35 @@ from mjforage.metrics.sensitivity import (
     two_segment_fit,
 )
 from mjforage.metrics.statistics import count, half_width_95, iqm, mean, sem, stratified_sem
-from mjforage.metrics.summary import Summary, summarise
 
 __all__ = [
     "BINS",
+    "FEWEST",
     "NEVER",
     "NOBODY",
     "EventTable",
+    "Family",
     "Interval",
     "Line",
     "SensitivityIntervals",
-    "Summary",
     "TwoSegments",
     "age_of_information",
     "base_rate",
-    "bootstrap",
     "bootstrap_sensitivity",
     "brier",
     "brier_skill",
     "calibration_error",
+    "compared",
     "contact_share",
     "contributions",
     "count",
     "counts_by_step",
     "coverage_overlap",
     "csr_series",
+    "episodes_needed",
     "gini",
     "half_width_95",
     "handover",
-    "holm",
     "iqm",
     "irr",
     "itl",
@@ -122,12 +123,11 @@ __all__ = [
     "mean",
     "mean_dsl",
     "mean_idleness",
+    "mean_interval",
     "model_error",
     "normalised",
     "nt",
     "paired_contribution",
-    "paired_difference",
-    "paired_p",
     "pareto_front",
     "performance_profile",
     "position_age",
@@ -138,9 +138,9 @@ __all__ = [
     "sem",
     "sensitivity_slope",
     "stratified_sem",
-    "summarise",
     "team_gini_series",
     "throughput",
     "two_segment_fit",
     "unlikeness",
+    "worst_mean",
 ]

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mjforage.metrics import statistics
 from mjforage.metrics._checks import FloatArray, IntArray, ratio, same_shape
-from mjforage.metrics.resampling import LEVEL, RESAMPLES, Interval, percentiles, resampled
+from mjforage.metrics.intervals import LEVEL, Interval
+from mjforage.metrics.resampling import RESAMPLES, percentiles, resampled
 
 
 def normalised(values: ArrayLike, floor: ArrayLike, ceiling: ArrayLike) -> FloatArray:
@@ -76,7 +77,7 @@ def performance_profile(
     thresholds : (threshold,) in the unit of the values
     better : 1 where more is better: share with value >= threshold; -1: share with value <= it
     strata : (run,) labels of the tasks; runs are resampled within theirs
-    seed, resamples, level : as in `bootstrap`
+    seed, resamples, level : of the percentile interval
 
     Returns
     -------
@@ -85,7 +86,8 @@ def performance_profile(
     Raises
     ------
     ValueError
-        values and strata differ in shape, better is neither 1 nor -1, or as `bootstrap`.
+        values and strata differ in shape, better is neither 1 nor -1, an infinite value, no
+        resample, or a level outside (0, 1).
     """
     runs, tau = statistics.defined(values), np.asarray(thresholds, dtype=np.float64)
     labels = np.asarray(strata)

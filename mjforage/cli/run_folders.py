@@ -1,5 +1,6 @@
 """Commands that make, read and draw run folders."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -48,6 +49,9 @@ class RunOptions:
         Episodes that are recorded for the report, of every world and policy: numbers and first,
         median, worst, best by the share collected, such as 0,3,worst; or none. Each is played once
         more. A finished run is added to by the same command.
+    detect
+        Also print how many episodes a difference of this size in PTA_C [%] needs to be found in
+        80 % of the runs, by the spread of the differences of this run.
     """
 
     metric: Metrics = ()
@@ -56,6 +60,7 @@ class RunOptions:
     water: WaterOf = None
     set: Overrides = ()
     replay: str = ",".join(str(one) for one in USUAL)
+    detect: float | None = None
 
 
 DEFAULT = RunOptions()
@@ -143,11 +148,14 @@ def _play(
     again: Resuming,
 ) -> None:
     """Run, show the headline table and draw the report."""
+    from mjforage.base.errors import UserError
     from mjforage.graph_planner.policies import is_upper_bound
     from mjforage.runs.run_info import read_json
-    from mjforage.view.report import terminal_table
+    from mjforage.view.report import needed_table, terminal_table
 
     recorded = parse_selection(choice.replay)
+    if choice.detect is not None and not 0 < choice.detect < math.inf:
+        raise UserError(f"--detect {choice.detect:g}: give a difference above 0, such as 1.0")
     shares = ", ".join(f"{n} reach {share:.0%}" for n, share in setup.reachable_shares.items())
     rows, columns = setup.graph.shape
     output.print(
@@ -162,6 +170,8 @@ def _play(
         raise KeyboardInterrupt
     bounds = [policy for policy in run.policies if is_upper_bound(policy)]
     print_table(terminal_table(read_json(folder / "summary.json"), bounds))
+    if choice.detect is not None:
+        print_table(needed_table(run.episodes_needed(choice.detect), choice.detect))
     with working("drawing the report"):
         path = run.report()
     output.print(f"report: {path}", soft_wrap=True)

@@ -4,20 +4,22 @@ import logging
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import polars as pl
+from numpy.typing import NDArray
 
 from mjforage import metrics
 from mjforage.base.atomic_files import write_json
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.policies.registry import check_policies
-from mjforage.mission.scoring import chosen_metrics
+from mjforage.mission.scoring import Description, chosen_metrics, description
 from mjforage.mission.scoring.known import series_metrics
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
@@ -35,7 +37,6 @@ from mjforage.runs.tables import metric_columns
 from mjforage.runs.workers import Workers
 from mjforage.scenario.sizes import check_memory, table_bytes
 
-BOOTSTRAP_SEED = 0
 _logger = logging.getLogger(__name__)
 
 THIS_PROCESS = Workers()
@@ -44,31 +45,47 @@ Progress = Callable[[int, int], None]
 Summary = dict[str, dict[str, dict[str, dict[str, Any]]]]
 
 
-def summarise(table: pl.DataFrame) -> Summary:
-    """`summary.json` of an episodes table: world, policy, metric -> mean, sem, ci95, iqm, n.
+def summarise(table: pl.DataFrame, described: Iterable[Description], horizon: int) -> Summary:
+    """`summary.json` of an episodes table: world, policy, metric -> mean and its spread.
 
-    Undefined numbers are None; `ci95` is a bootstrap percentile interval of the mean.
+    `ci95` is the interval of `metrics.mean_interval`, `worst5` the mean of the worst 5 % of the
+    episodes. Undefined numbers are None.
+
+    Parameters
+    ----------
+    described : of the metrics; one that is not there has no known ends
     """
     summary: Summary = {}
-    keys = metric_columns(table)
+    known = {one.key: one for one in described}
     for (world, policy), rows in table.group_by("world", "policy", maintain_order=True):
-        values = rows.sort("episode").select(keys).to_numpy().T
-        found = metrics.summarise(values, BOOTSTRAP_SEED)
-        mean, sem, low, high, iqm = (
-            [number if math.isfinite(number) else None for number in column.tolist()]
-            for column in (found.mean, found.sem, found.low, found.high, found.iqm)
-        )
+        ordered = rows.sort("episode")
         summary.setdefault(str(world), {})[str(policy)] = {
-            key: {
-                "mean": mean[i],
-                "sem": sem[i],
-                "ci95": [low[i], high[i]],
-                "iqm": iqm[i],
-                "n": int(found.n[i]),
-            }
-            for i, key in enumerate(keys)
+            key: summary_entry(
+                ordered[key].to_numpy(), known.get(key, Description(key, key)), horizon
+            )
+            for key in metric_columns(table)
         }
     return summary
+
+
+def summary_entry(values: NDArray[np.float64], metric: Description, horizon: int) -> dict[str, Any]:
+    """Entry of `summary.json` of (episode,) values of a metric."""
+    found = metrics.mean_interval(values, *metric.ends(horizon))
+    entry = {
+        "mean": found.value,
+        "sem": metrics.sem(values),
+        "ci95": [found.low, found.high],
+        "iqm": metrics.iqm(values),
+        "worst5": metrics.worst_mean(values, metric.better),
+    }
+    return {key: _told(value) for key, value in entry.items()} | {"n": int(found.n)}
+
+
+def _told(value: Any) -> Any:
+    """A number, or numbers in a list, None where undefined."""
+    if isinstance(value, list):
+        return [_told(one) for one in value]
+    return float(value) if math.isfinite(value) else None
 
 
 def check_numbers(episodes: int, seed: int) -> None:
@@ -212,7 +229,9 @@ class Run:
         UserError
             If a table is missing or damaged, or a file cannot be written.
         """
-        summary = summarise(self.folder.episodes(self.chunks))
+        described = map(description, chosen_metrics(self.metrics))
+        episodes = self.folder.episodes(self.chunks)
+        summary = summarise(episodes, described, self.setup.scenario.horizon)
         write_json(self.folder.path / "summary.json", summary)
         self.folder.finish({*self.chunks, *self.folder.stored(self.worlds, self.policies)})
         return summary

@@ -1,15 +1,22 @@
 """Cells of tables from (episode,) values of one policy or of two."""
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from mjforage import metrics
+from mjforage.mission.scoring import Description
+from mjforage.view.report.cells import is_rough
 from tests.evidence.piece import Cell
 
+ANY = Description("", "")
+"""A metric without known ends."""
 
-def mean(values: ArrayLike) -> Cell:
-    """Mean of (episode,) values, ± 1.96 SEM."""
-    found = {"mean": metrics.mean(values), "half": metrics.half_width_95(values)}
-    return defined(**found, n=metrics.count(values))
+
+def mean(values: ArrayLike, metric: Description = ANY, horizon: int = 1) -> Cell:
+    """Mean of (episode,) values of a metric with its interval, 1 as `rough` where that is."""
+    found = metrics.mean_interval(values, *metric.ends(horizon))
+    numbers = defined(mean=found.value, low=found.low, high=found.high, n=found.n)
+    return numbers | ({"rough": 1} if is_rough(metric, int(found.n)) else {})
 
 
 def average(values: ArrayLike) -> Cell:
@@ -18,23 +25,22 @@ def average(values: ArrayLike) -> Cell:
 
 
 def gap(values: ArrayLike, others: ArrayLike) -> Cell:
-    """Mean of the differences of (episode,) values, entry by entry, ± 1.96 SEM."""
-    differences = metrics.statistics.defined(values) - metrics.statistics.defined(others)
-    found = {"gap": metrics.mean(differences), "half": metrics.half_width_95(differences)}
-    return defined(**found, n=metrics.count(differences))
+    """Mean of the differences of (episode,) values, entry by entry, ± half of its interval."""
+    found = metrics.compared([metrics.statistics.defined(values) - np.asarray(others)])
+    return defined(gap=found.value[0], half=found.high[0] - found.value[0], n=found.n[0])
 
 
 def beside(values: ArrayLike, others: ArrayLike) -> Cell:
-    """Mean of (episode,) values, and what they differ from others, ± 1.96 SEM."""
+    """Mean of (episode,) values, and what they differ from others, ± half of its interval."""
     difference = gap(values, others)
     assert isinstance(difference, dict)
     return {**defined(mean=metrics.mean(values)), **difference}
 
 
 def interval(values: ArrayLike, others: ArrayLike) -> Cell:
-    """Mean of the differences of (episode,) values, with its bootstrap 95 % interval."""
-    found = metrics.paired_difference(values, others, 0)
-    return defined(gap=found.value, low=found.low, high=found.high, n=found.n)
+    """Mean of the differences of (episode,) values, with its 95 % interval of itself alone."""
+    found = metrics.compared([metrics.statistics.defined(values) - np.asarray(others)])
+    return defined(gap=found.value[0], low=found.low[0], high=found.high[0], n=found.n[0])
 
 
 def defined(**numbers: ArrayLike) -> dict[str, float]:

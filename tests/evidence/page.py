@@ -10,8 +10,8 @@ import os
 import re
 from pathlib import Path
 
-from mjforage.view.page.table import NOTHING
-from mjforage.view.report.cells import needed_digits, number
+from mjforage.view.page.table import NOTHING, Number
+from mjforage.view.report.cells import mean_cell, needed_digits, number
 from tests.documents.blocks import MADE
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, load
 
@@ -91,12 +91,13 @@ def _plus_minus(half: float | None, digits: int) -> str:
 def _with_interval(cell: dict[str, float], digits: int) -> str:
     """A difference or mean with its interval; a difference is bold where that leaves out 0."""
     low, high = cell["low"], cell["high"]
-    if "gap" in cell:
-        digits = needed_digits((high - low) / 2, digits)
-    value = number(cell["gap"] if "gap" in cell else cell["mean"], digits)
+    if "gap" not in cell:
+        return mean_cell(Number(cell["mean"], low, high), digits, "rough" in cell).text
+    digits = needed_digits((high - low) / 2, digits)
+    value = number(cell["gap"], digits)
     text = f"{value} ({number(low, digits)} to {number(high, digits)})"
     apart = round(low, digits) > 0 or round(high, digits) < 0
-    return f"**{text}**" if "gap" in cell and apart else text
+    return f"**{text}**" if apart else text
 
 
 def _significant(cell: dict[str, float], digits: int) -> str:

@@ -30,7 +30,7 @@ Cell = str | dict[str, float] | None
 """Words, a number with what is known of it, or nothing.
 
 Keys of a number: `mean` of the episodes, `gap` to another mean over the same episodes, `half` of
-the interval ± 1.96 SEM of the last of these, or the ends `low` and `high` of its interval; `n`
+the interval of the last of these, or the ends `low` and `high` of its interval, `rough`; `n`
 episodes in which all of that is defined. Undefined numbers are left out.
 """
 Spec = dict[str, Any]

@@ -7,7 +7,9 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from mjforage.mission.scoring import describe
 from mjforage.runs.parquet import read_parquet
+from mjforage.view.report.differences import estimates
 from mjforage.view.report.studies import ablation, corruption
 from tests.evidence import returns, trained, tutorials
 from tests.evidence.cells import average, beside, defined, gap, interval, mean
@@ -26,6 +28,17 @@ def values(spec: Spec, runs: Runs) -> NDArray[Any]:
     return runs[spec["run"]].values(spec["policy"], spec["key"], spec.get("world"))
 
 
+def horizon(spec: Spec, runs: Runs) -> int:
+    """Steps of the missions of a number."""
+    info = runs.study.base if "variant" in spec else runs[spec["run"]].info
+    return info.horizon
+
+
+def mean_of(spec: Spec, runs: Runs) -> Cell:
+    """Mean of a metric of a policy, with its interval."""
+    return mean(values(spec, runs), describe(spec["key"]), horizon(spec, runs))
+
+
 def entry(spec: Spec, runs: Runs) -> Cell:
     """Mean of a variant of a study, with its interval."""
     case = runs.study.case(spec["variant"], GRAPH, spec["policy"])
@@ -35,7 +48,8 @@ def entry(spec: Spec, runs: Runs) -> Cell:
 
 def contribution(spec: Spec, runs: Runs) -> Cell:
     """Marginal contribution of one of a team."""
-    found = ablation.contribution(runs.study, spec["team"], GRAPH, spec["policy"], spec["key"])
+    about = spec["team"], GRAPH, spec["policy"], spec["key"]
+    (found,) = estimates([ablation.contribution(runs.study, *about)])
     return defined(mean=found.value, low=found.low, high=found.high)
 
 
@@ -64,22 +78,22 @@ def impact(spec: Spec, runs: Runs) -> Cell:
     return defined(mean=rows["impact_mps"].max())  # type: ignore[arg-type]
 
 
-OF_ONE: dict[str, Callable[[NDArray[Any]], Cell]] = {"mean": mean, "average": average}
 OF_TWO: dict[str, Callable[[NDArray[Any], NDArray[Any]], Cell]] = {
     "gap": gap,
     "beside": beside,
     "interval": interval,
 }
 OTHERS: dict[str, Callable[[Spec, Runs], Cell]] = {
-    each.__name__: each for each in (entry, contribution, slope, break_point, impact)
+    "mean": mean_of,
+    **{each.__name__: each for each in (entry, contribution, slope, break_point, impact)},
 }
 
 
 def number(spec: Spec, runs: Runs) -> Cell:
     """A number of a table."""
     way = spec["way"]
-    if way in OF_ONE:
-        return OF_ONE[way](values(spec, runs))
+    if way == "average":
+        return average(values(spec, runs))
     if way in OF_TWO:
         return OF_TWO[way](values(spec, runs), values({**spec, **spec["minus"]}, runs))
     return OTHERS[way](spec, runs)
@@ -147,6 +161,12 @@ def picking(runs: Runs) -> Iterator[list[Cell]]:
         yield [head, *({"mean": share} for share in shares)]
 
 
+def coverage_rows(runs: Runs) -> Iterator[list[Cell]]:
+    """Metric by metric the share of samples whose interval holds the mean."""
+    for name, *shares in runs.figures:
+        yield [name, *("" if share is None else {"mean": share} for share in shares)]
+
+
 WHOLE: dict[str, Callable[[Runs], Iterator[list[Cell]]]] = {
     "validation": validation,
     "contacts": listed,
@@ -155,6 +175,8 @@ WHOLE: dict[str, Callable[[Runs], Iterator[list[Cell]]]] = {
     "speeds-hulls": speeds_of_hulls,
     "decision-times": decision_times,
     "picking": picking,
+    "coverage": coverage_rows,
+    "equals": listed,
     "family-seeds": trained.seeds,
     "family-elsewhere": trained.elsewhere,
     "tuned-in-physics": trained.tuned,

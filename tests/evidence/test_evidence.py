@@ -8,15 +8,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mjforage import metrics
 from mjforage.base.references import with_options
 from mjforage.cli.commands import app
 from mjforage.graph_planner.policies.registry import policy_label
-from mjforage.mission.scoring import chosen_metrics
+from mjforage.mission.scoring import chosen_metrics, describe
 from mjforage.scenario.scenario_file import load_scenario
 from tests.documents.blocks import pages
 from tests.evidence import __main__ as making
 from tests.evidence import playing, tables
-from tests.evidence.cells import beside, interval
+from tests.evidence.cells import beside, interval, mean
 from tests.evidence.page import names, region, renewed, shown
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, load, pieces, save
 from tests.evidence.playing import Runs, place, plain
@@ -82,7 +83,8 @@ def test_numbers_are_of_what_the_commands_play(name: str, monkeypatch: pytest.Mo
         return np.array([1.0, 2.0, 4.0])
 
     monkeypatch.setattr(tables, "values", values)
-    for way in tables.OTHERS:
+    monkeypatch.setattr(tables, "horizon", lambda spec, runs: 150)
+    for way in set(tables.OTHERS) - {"mean"}:
         monkeypatch.setitem(tables.OTHERS, way, lambda spec, runs: {"mean": 1.0})
     rows = tables.made_rows(piece, Runs({}))
     for made, row in zip(rows, piece.rows, strict=True):
@@ -105,6 +107,8 @@ def test_numbers_are_of_what_the_commands_play(name: str, monkeypatch: pytest.Mo
         ({"gap": 0.2, "low": 0.1, "high": 0.3}, ".1f", "**0.20 (0.10 to 0.30)**"),
         ({"mean": 0.9214, "low": 0.877, "high": 1.0199}, ".3g", "0.921 (0.877 to 1.02)"),
         ({"mean": 214312.0}, ".3g", "214,312"),
+        ({"mean": 90.0, "low": 88.0, "high": 92.0, "n": 20}, ".1f", "90.0 ± 2.0"),
+        ({"mean": 90.0, "low": 80.0, "high": 92.0, "rough": 1}, ".1f", "90.0 (80.0 to 92.0) rough"),
     ],
 )
 def test_cells_show_what_is_known(cell: Cell, form: str, text: str) -> None:
@@ -113,9 +117,17 @@ def test_cells_show_what_is_known(cell: Cell, form: str, text: str) -> None:
 
 def test_differences_are_of_pairs() -> None:
     own, other = [3.0, 5.0, float("nan")], [1.0, 2.0, 7.0]
-    half = pytest.approx(0.98)
-    assert beside(own, other) == {"mean": 4.0, "gap": 2.5, "half": half, "n": 2}
-    assert interval(own, other) == {"gap": 2.5, "low": 2.0, "high": 3.0, "n": 2}
+    assert beside(own, other) == {"mean": 4.0, "gap": 2.5, "n": 2}, "too few for an interval"
+    many = np.resize([1.0, 3.0], 20)
+    (half,) = metrics.compared([many]).high - 2.0
+    assert beside(many, np.zeros(20)) == {"mean": 2.0, "gap": 2.0, "half": half, "n": 20}
+    assert interval(many, np.zeros(20)) == {"gap": 2.0, "low": 2 - half, "high": 2 + half, "n": 20}
+
+
+def test_means_have_the_interval_of_their_metric() -> None:
+    found = metrics.mean_interval([50.0, 60.0], 0.0, 100.0)
+    told = {"mean": 55.0, "low": float(found.low), "high": float(found.high), "n": 2, "rough": 1}
+    assert mean([50.0, 60.0], describe("pta_c"), 150) == told
 
 
 def test_a_piece_is_made_from_its_runs_and_goes_on(tmp_path: Path) -> None:

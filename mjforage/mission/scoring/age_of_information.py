@@ -17,6 +17,7 @@ class AgeOfInformation(TimeMean):
 
     key, label, unit, better, digits = "aoi", "AoI", "steps", -1, 2
     compared, top = False, 0.0
+    least, most = 0.0, "horizon"
 
     def at(self, view: StepView) -> FloatArray:
         """(open,) mean over the owners, now [step]."""
@@ -38,6 +39,7 @@ class PeakAge(Metric):
 
     key, label, unit, better, digits = "aoi_peak", "AoI_peak", "steps", -1, 2
     compared, drawn = False, False
+    least, most = 0.0, "horizon"
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [step]."""

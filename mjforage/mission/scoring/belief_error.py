@@ -4,6 +4,9 @@ from mjforage import metrics
 from mjforage.mission.scoring.known import metric
 from mjforage.mission.scoring.metric import FloatArray, Metric, StepView
 
+WORST = 0.2
+"""RMSE that intervals take for its worst [items/node]: a convention, as it has no end."""
+
 
 def errors(view: StepView) -> tuple[FloatArray, FloatArray]:
     """RMSE over the nodes and per column, (open,) each."""
@@ -23,6 +26,7 @@ class ErrorOverNodes(Metric):
 
     key, label, better, digits = "rmse", "RMSE", -1, 4
     unit, top = "items/node", 0.0
+    least, most = 0.0, WORST
 
     def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
@@ -37,7 +41,7 @@ class ErrorPerColumn(Metric):
 
     key, label, better, digits = "rmse_columns", "RMSE_columns", -1, 4
     unit, top = "items/node", 0.0
-    compared = False
+    compared, least, most = False, 0.0, 0.08  # a convention, as that of RMSE
 
     def at(self, view: StepView) -> FloatArray:
         """(open,) now."""

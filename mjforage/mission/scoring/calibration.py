@@ -14,6 +14,7 @@ class BrierSkill(Metric):
     """
 
     key, label, better, compared, drawn = "brier_skill", "Brier_skill", 1, False, False
+    least, most = 0.0, 1.0  # below 0: worse than nothing, which intervals take for its worst
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) over all its steps."""
@@ -30,6 +31,7 @@ class CalibrationError(Metric):
 
     key, label, better, digits = "calibration_error", "Calibration_error", -1, 4
     compared, drawn = False, False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) over all its steps."""
@@ -46,6 +48,7 @@ class Reliability(Metric):
 
     key, label, better, digits = "reliability", "Reliability", -1, 4
     compared, drawn = False, False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) over all its steps."""

@@ -86,6 +86,7 @@ class Handover(Metric):
     """
 
     key, label, better, top = "handover", "Handover", -1, None
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""

@@ -16,7 +16,7 @@ class FinalIdleness(Metric):
     """
 
     key, label, better = "mi_final", "MI_final", -1
-    compared = False
+    compared, least, most = False, 0.0, 1.0
     series_key, series_label, top = "mi", "MI", 1.0
 
     def at(self, view: StepView) -> FloatArray:
@@ -29,6 +29,7 @@ class MeanIdleness(Metric):
     """Mean idleness of the navigable nodes, time mean."""
 
     key, label, better, drawn = "mi_mean", "MI_mean", -1, False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""
@@ -43,7 +44,7 @@ class IdlenessReductionRate(Metric):
     """
 
     key, label, better, digits = "irr_mean", "IRR_mean", 1, 5
-    unit, compared = "1/step", False
+    unit, compared, least = "1/step", False, 0.0
     series_key, series_label = "irr", "IRR"
 
     def series(self, batch: Batch) -> FloatArray:

@@ -14,6 +14,7 @@ class CooperativeSuccess(Metric):
     """
 
     key, label, better, top = "csr", "CSR", 1, 1.0
+    least, most = 0.0, 1.0
 
     def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far."""
@@ -28,6 +29,7 @@ class ServiceLatency(Metric):
     """
 
     key, label, better, compared = "dsl", "DSL", -1, False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) mean over the items [of T]."""
@@ -42,6 +44,7 @@ class LagOfRises(Metric):
     """
 
     key, label, compared = "itl", "ITL", False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""
@@ -56,6 +59,7 @@ class LagOfLevels(Metric):
     """
 
     key, label, compared, drawn = "itl_level", "ITL_level", False, False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""

@@ -17,6 +17,7 @@ class InequalityOfForagers(Metric):
 
     key, label, better = "gini_foragers", "Gini_foragers", -1
     compared, top = False, 0.0
+    least, most = 0.0, 1.0
 
     def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far."""
@@ -35,6 +36,7 @@ class InequalityOfScouts(Metric):
 
     key, label, better = "gini_scouts", "Gini_scouts", -1
     compared, top = False, 0.0
+    least, most = 0.0, 1.0
 
     def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far."""
@@ -58,6 +60,7 @@ class OverlapOfScouts(TimeMean):
 
     key, label, better = "co_scouts", "CO_scouts", -1
     compared, top = False, 0.0
+    least, most = 0.0, 1.0
 
     def at(self, view: StepView) -> FloatArray:
         """(open,) now."""
@@ -73,6 +76,7 @@ class OverlapOfForagers(TimeMean):
 
     key, label, better = "co_foragers", "CO_foragers", -1
     compared, top = False, 0.0
+    least, most = 0.0, 1.0
 
     def at(self, view: StepView) -> FloatArray:
         """(open,) now."""

@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, ClassVar, TypeVar
+from typing import Annotated, ClassVar, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from mjforage.scenario.roles import Fleet
 
 FloatArray = NDArray[np.float64]
 _T = TypeVar("_T", bound=np.generic)
+End = float | Literal["horizon"] | None
 
 
 class StepView(Cache):
@@ -106,6 +107,8 @@ class Metric:
     digits : decimals shown
     compared : True if policies are compared in it, pair by pair
     drawn : True if its distribution is drawn, where it has no series
+    least, most : ends of its values, of which intervals need the worse one; None: no end is known,
+        "horizon": that of the mission. Where values may lie beyond, a convention
     series_key, series_label : of the column of `steps.parquet`; as `key` and `label` if empty
     top : end of the series's axis, which then starts at 0; 0 for the largest value; None: free
     """
@@ -117,6 +120,8 @@ class Metric:
     digits: ClassVar[int] = 3
     compared: ClassVar[bool] = True
     drawn: ClassVar[bool] = True
+    least: ClassVar[float | None] = None
+    most: ClassVar[End] = None
     series_key: ClassVar[str] = ""
     series_label: ClassVar[str] = ""
     top: ClassVar[float | None] = None
@@ -183,6 +188,20 @@ class Description:
     series: str = ""
     series_label: str = ""
     top: float | None = None
+    least: float | None = None
+    most: End = None
+
+    def ends(self, horizon: int) -> tuple[float, float]:
+        """Least and most of its values in a mission of so many steps, infinite where unknown."""
+        most = horizon if self.most == "horizon" else self.most
+        return -np.inf if self.least is None else self.least, np.inf if most is None else most
+
+    @property
+    def bounded(self) -> bool:
+        """True if its worst value is known, without which intervals do not keep what they say."""
+        ends = (self.least, self.most)
+        worst = {1: ends[:1], -1: ends[1:]}.get(self.better, ends)
+        return any(end is not None for end in worst)
 
     @property
     def plain(self) -> str:
@@ -211,4 +230,6 @@ def description(metric: type[Metric]) -> Description:
         metric.series_name() if has else "",
         (metric.series_label or metric.label) if has else "",
         metric.top,
+        metric.least,
+        metric.most,
     )

@@ -1,10 +1,12 @@
 """Differences between the agents' knowledge; undefined where all share one map."""
 
+from typing import ClassVar
+
 from mjforage import metrics
 from mjforage.mission.mission import Mission
-from mjforage.mission.scoring.belief_error import errors
+from mjforage.mission.scoring.belief_error import WORST, errors
 from mjforage.mission.scoring.known import metric
-from mjforage.mission.scoring.metric import Batch, FloatArray, Metric, StepView, TimeMean
+from mjforage.mission.scoring.metric import Batch, End, FloatArray, Metric, StepView, TimeMean
 
 
 def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
@@ -23,7 +25,8 @@ def _unlikeness(view: StepView) -> tuple[FloatArray, FloatArray]:
 class OfOwners(TimeMean):
     """Metric of several belief owners: time mean of a time series."""
 
-    better, compared, top = -1, False, 0.0
+    better, compared, top, least = -1, False, 0.0, 0.0
+    most: ClassVar[End] = WORST
 
     @classmethod
     def is_defined(cls, mission: Mission) -> bool:
@@ -40,6 +43,7 @@ class PositionAge(OfOwners):
     """
 
     key, label, unit, digits = "position_age", "PA", "steps", 2
+    most = "horizon"
 
     def at(self, view: StepView) -> FloatArray:
         """(open,) now [step]."""

@@ -7,6 +7,9 @@ from mjforage.metrics.statistics import count
 from mjforage.mission.scoring.known import metric
 from mjforage.mission.scoring.metric import Batch, FloatArray, Metric
 
+MOST = 90.0
+"""Share of the items that counts as most of them [%]."""
+
 
 @metric
 class ItemsDiscovered(Metric):
@@ -16,7 +19,7 @@ class ItemsDiscovered(Metric):
     """
 
     key, label, unit, better, digits = "pta_d", "PTA_D", "%", 1, 2
-    top = 100.0
+    least, most, top = 0.0, 100.0, 100.0
 
     def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far [%]."""
@@ -32,7 +35,7 @@ class ItemsRemoved(Metric):
     """
 
     key, label, unit, better, digits = "pta_c", "PTA_C", "%", 1, 2
-    top = 100.0
+    least, most, top = 0.0, 100.0, 100.0
 
     def series(self, batch: Batch) -> FloatArray:
         """(episode, T + 1) so far [%]."""
@@ -48,6 +51,7 @@ class TimeToHalf(Metric):
     """
 
     key, label, better, drawn = "nt50", "NT_50", -1, False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""
@@ -62,10 +66,11 @@ class TimeToMost(Metric):
     """
 
     key, label, better, drawn = "nt90", "NT_90", -1, False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [of T]."""
-        return metrics.nt(batch.series(ItemsRemoved), 90.0)
+        return metrics.nt(batch.series(ItemsRemoved), MOST)
 
 
 @metric
@@ -76,6 +81,7 @@ class RemovedPerForager(Metric):
     """
 
     key, label, unit, better, drawn = "throughput", "Throughput", "items/step", 1, False
+    least = 0.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [item/step]."""
@@ -88,7 +94,7 @@ class DiscoveredPerScout(Metric):
     """Items discovered per scout and step of the horizon."""
 
     key, label, unit = "throughput_scouts", "Throughput_scouts", "items/step"
-    better, drawn = 1, False
+    better, drawn, least = 1, False, 0.0
     compared = False
 
     def value(self, batch: Batch) -> FloatArray:
@@ -102,7 +108,7 @@ class Length(Metric):
     """Steps until the last item was removed, at most T."""
 
     key, label, unit, better, digits = "length", "Length", "steps", -1, 1
-    drawn = False
+    drawn, least, most = False, 0.0, "horizon"
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [step]."""
@@ -115,10 +121,24 @@ class Cleared(Metric):
 
     key, label, better, digits = "cleared", "Cleared", 1, 2
     compared, drawn = False, False
+    least, most = 0.0, 1.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) 1 or 0."""
         return (batch.series(ItemsRemoved)[:, -1] >= 100.0).astype(np.float64)
+
+
+@metric
+class BelowMost(Metric):
+    """Fraction of the episodes that ended with less than 90 % of the items removed."""
+
+    key, label, better, digits = "below_90", "Below_90", -1, 2
+    compared, drawn = False, False
+    least, most = 0.0, 1.0
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) 1 or 0."""
+        return (batch.series(ItemsRemoved)[:, -1] < MOST).astype(np.float64)
 
 
 @metric
@@ -130,7 +150,7 @@ class EnergyPerItem(Metric):
     """
 
     key, label, unit, better, digits = "energy_per_item", "Energy", "node/item", -1, 2
-    compared, drawn = False, False
+    compared, drawn, least = False, False, 0.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [node/item]."""

@@ -18,6 +18,7 @@ class Contact(TimeMean):
     """
 
     key, label, better, compared, top = "contact", "Contact", 1, False, 1.0
+    least, most = 0.0, 1.0
 
     @classmethod
     def is_defined(cls, mission: Mission) -> bool:
@@ -41,6 +42,7 @@ class Total(Metric):
 
     counted: ClassVar[str]
     digits, compared, drawn = 0, False, False
+    least = 0.0
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""

@@ -1,30 +1,28 @@
 """Policies of a world that are best in a metric, by a test rather than by their rounded means."""
 
 from collections.abc import Mapping
-from typing import TypeVar
 
 import numpy as np
 
-from mjforage.metrics import holm, paired_p
+from mjforage.metrics import FEWEST
 from mjforage.mission.scoring import Description
+from mjforage.view.report.differences import HOW, LEVEL, Name, pairs
 from mjforage.view.report.run_logs import Case, FloatArray, RunLogs
 
-Name = TypeVar("Name")
-
-LEVEL = 0.05
-FEWEST = 10  # episodes that a pair needs to be judged
+MOST = 40  # policies that compete for the mark
 
 NOTE = (
-    "bold: the best mean of its world and those that cannot be told from it (paired t-tests with "
-    f"the best over the same episodes at the level {LEVEL:g}, corrected by Holm's method for the "
-    f"policies of the column, {FEWEST} episodes or more; bounds aside; none where all are alike)"
+    "bold: the best mean of its world and those that cannot be told from it (multiple comparisons "
+    f"with the best: {HOW} of all pairs of the column over the same episodes, together at the "
+    f"level {LEVEL:g}, {FEWEST} episodes or more; bounds aside; of more than {MOST} policies "
+    f"the best {MOST})"
 )
 
 
 def best_of(logs: RunLogs, metric: Description) -> set[Case]:
     """The best mean of each world, and those not significantly different from it.
 
-    None where the metric has no direction, too few episodes, or where no policy is worse.
+    None where the metric has no direction, too few episodes or a single policy.
     """
     cases = [case for case in logs.cases if case.policy not in logs.run.bounds and metric.better]
     return {
@@ -36,8 +34,8 @@ def best_of(logs: RunLogs, metric: Description) -> set[Case]:
     }
 
 
-def best(values: Mapping[Name, FloatArray], better: int) -> Name | None:
-    """Name of the best mean; None where none is defined.
+def best_first(values: Mapping[Name, FloatArray], better: int) -> list[Name]:
+    """Names by their means, the best first; those that are defined nowhere are left out.
 
     Parameters
     ----------
@@ -45,29 +43,20 @@ def best(values: Mapping[Name, FloatArray], better: int) -> Name | None:
     better : 1 more, -1 less is better
     """
     means = {one: float(np.nanmean(x)) for one, x in values.items() if np.isfinite(x).any()}
-    return max(means, key=lambda one: better * means[one]) if means else None
-
-
-def against_best(values: Mapping[Name, FloatArray], better: int) -> dict[Name, float]:
-    """P-values of all others against the best by paired t-tests, corrected for each other by Holm.
-
-    Of those that are defined in some episode; arguments as of `best`.
-    """
-    top = best(values, better)
-    others = [one for one, x in values.items() if one != top and np.isfinite(x).any()]
-    if top is None:
-        return {}
-    corrected = holm([float(paired_p(values[one], values[top])) for one in others])
-    return dict(zip(others, corrected.tolist(), strict=True))
+    return sorted(means, key=lambda one: -better * means[one])
 
 
 def best_and_alike(values: Mapping[Name, FloatArray], better: int) -> set[Name]:
-    """The best mean and those not significantly below; none if all are alike or data too few."""
-    top, p = best(values, better), against_best(values, better)
-    if top is None or not p:
+    """The best mean and those not significantly worse; none where no pair is tested.
+
+    Multiple comparisons with the best: Hsu 1996, *Multiple Comparisons*, chapter 4. All pairs are
+    one family, so that equal policies are all in it in 95 % of the families; of more than `MOST`
+    policies only those with the best means compete.
+    """
+    names = best_first(values, better)[:MOST]
+    if not names:
         return set()
-    pairs = {one: int(np.isfinite(values[one] - values[top]).sum()) for one in p}
-    alike = {one for one in p if pairs[one] >= FEWEST and p[one] >= LEVEL}
-    if max(pairs.values()) < FEWEST or len(alike) == len(p):
-        return set()
-    return {top, *alike}
+    top, found = names[0], pairs({one: values[one] for one in names})
+    tested = {one: found[one, top].p for one in names[1:]}
+    alike = {one for one, p in tested.items() if p >= LEVEL}
+    return {top, *alike} if np.isfinite(list(tested.values())).any() else set()

@@ -11,7 +11,13 @@ from mjforage.view.report.run_logs import Case
 
 OVER_T = frozenset({"nt50", "nt90", "dsl", "itl", "itl_level", "handover"})
 """Metrics that are times as shares of the horizon."""
-NORMAL_95 = 1.96
+NORMAL_95 = 1.96  # the paper's, and of the bands of curves
+FEW = 20  # episodes from which an interval of the mean covers
+ROUGH = "rough"
+INTERVAL = (
+    "Mean and 95 % interval, ± half of it or its ends (`metrics.mean_interval`); rough: of fewer "
+    f"than {FEW} episodes, or of a metric whose worst value is not known, it covers less often"
+)
 MORE_DIGITS = 2  # than a metric has, at most, where an interval is narrow
 
 
@@ -94,6 +100,26 @@ def number_cell(
     return Cell(text, Number(value, value - half, value + half), also, best)
 
 
+def mean_cell(one: Number, digits: int, rough: bool, also: str = "", best: bool = False) -> Cell:
+    """A mean with its interval, ± half of it where it is as wide on both sides."""
+    known = math.isfinite(one.value) and math.isfinite(one.low)
+    around = spread(one, digits)
+    text = f"{number(one.value, digits)} {around if around[0] == '±' else f'({around})'}"
+    text += f" {ROUGH}" if rough else ""
+    return Cell(text if known else number(one.value, digits), one, also, best)
+
+
+def spread(one: Number, digits: int) -> str:
+    """An interval: ± half of it where it is as wide on both sides, to its digits; else its ends."""
+    below, above = (number(side, digits) for side in (one.value - one.low, one.high - one.value))
+    return f"± {above}" if below == above else span(one.low, one.high, digits)
+
+
+def is_rough(metric: Description, episodes: int) -> bool:
+    """True if an interval of a mean of so many episodes does not cover what it says."""
+    return episodes < FEW or not metric.bounded
+
+
 def printed_row(head: str, numbers: Iterable[tuple[float | None, int]], **about: Any) -> Row:
     """A row of published numbers, each with its digits, None where there is none."""
     pairs = ((math.nan if value is None else value, digits) for value, digits in numbers)
@@ -113,10 +139,10 @@ def interval_cell(one: Number, digits: int) -> Cell:
 
 
 def summary_cell(case: Case, metric: Description, best: bool = False) -> Cell:
-    """Mean ± 1.96 SEM of a case, and a time in minutes below it."""
+    """Mean of a case with its interval, and a time in minutes below it."""
     entry = case.summary(metric.key)
     also = in_minutes(case.logs.run, metric, entry.mean)
-    return number_cell(entry.mean, metric.digits, NORMAL_95 * entry.sem, also, best)
+    return mean_cell(entry.number, metric.digits, is_rough(metric, entry.n), also, best)
 
 
 def in_minutes(run: RunInfo, metric: Description, mean: float) -> str:

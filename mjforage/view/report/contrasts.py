@@ -5,21 +5,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjforage.metrics import probability_of_improvement, statistics
+from mjforage.metrics import probability_of_improvement
 from mjforage.mission.scoring import Description
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.cells import (
-    NORMAL_95,
+    INTERVAL,
     Cell,
     metrics_table,
     number_cell,
     row,
     summary_cell,
 )
-from mjforage.view.report.differences import Difference, corrected, family_note, judged, set_apart
+from mjforage.view.report.differences import estimates, family_note, judged
 from mjforage.view.report.run_logs import Case, FloatArray
 
-SAME = "Mean difference over the same episodes, with its bootstrap 95 % interval of itself alone"
+SAME = "Mean difference over the same episodes, with its 95 % interval"
 CHANCE = (
     " P(better): probability that an episode of the first policy beats one of the second, ties "
     "counting half."
@@ -35,13 +35,19 @@ class Contrast:
     against: Case
     group: str = ""
 
+    @property
+    def cases(self) -> tuple[Case, Case]:
+        """Both cases."""
+        return self.case, self.against
+
     def values(self, metric: Description) -> tuple[FloatArray, FloatArray]:
         """(episode,) values of both cases in a metric."""
         return self.case.values(metric.key), self.against.values(metric.key)
 
-    def gap(self, metric: Description) -> Difference:
-        """Their difference in a metric."""
-        return Difference(*self.values(metric), metric)
+    def gaps(self, metric: Description) -> FloatArray:
+        """(episode,) their differences in a metric."""
+        first, second = self.values(metric)
+        return first - second
 
 
 def means_table(
@@ -56,7 +62,7 @@ def means_table(
         for group, cases in groups.items()
         for head, case in cases.items()
     ]
-    return metrics_table(name, title, metrics, rows, ["Mean ± 1.96 SEM."], head="variant")
+    return metrics_table(name, title, metrics, rows, [f"{INTERVAL}."], head="variant")
 
 
 def differences_table(
@@ -74,12 +80,12 @@ def differences_table(
     words : name of a difference
     head : head of the column of row names
     """
-    found = [{metric: one.gap(metric) for metric in metrics} for one in contrasts]
-    metrics = [m for m in metrics if any(gaps[m].n for gaps in found)] or metrics
-    lines = [[gaps[metric] for metric in metrics] for gaps in found]
+    defined = [m for m in metrics if any(np.isfinite(one.gaps(m)).any() for one in contrasts)]
+    metrics = defined or metrics
+    lines = judged([[(one.gaps(m), m.digits) for m in metrics] for one in contrasts])
     rows = [
-        row(one.head, cells, one.case.look.colour, group=one.group)
-        for one, cells in zip(contrasts, judged(lines), strict=True)
+        row(one.head, [gap.cell() for gap in gaps], one.case.look.colour, group=one.group)
+        for one, gaps in zip(contrasts, lines, strict=True)
     ]
     note = f"{words}; {family_note([one for line in lines for one in line])}."
     return metrics_table(name, title, metrics, rows, [note], stacked=True, head=head)
@@ -105,28 +111,19 @@ def every_metric_table(
     """
     every = [(one, metric, one.values(metric)) for one in contrasts for metric in metrics]
     lines = [line for line in every if np.isfinite(line[-1]).any()]
-    family = [Difference(*values, metric) for _, metric, values in lines]
+    family = estimates([(contrast.gaps(metric), metric.digits) for contrast, metric, _ in lines])
     rows: list[Row] = []
-    for line, gap, p, apart in zip(
-        lines, family, corrected(family), set_apart(family), strict=True
-    ):
-        contrast, metric, values = line
+    for (contrast, metric, values), gap in zip(lines, family, strict=True):
         cells = [
-            *([_mean_cell(one, metric) for one in values] if ends else []),
-            *gap.cells(p, apart),
+            *([summary_cell(one, metric) for one in contrast.cases] if ends else []),
+            *gap.cells,
             *([] if ends else [_chance(*values, metric.better)]),
             Cell(str(gap.n), Number(gap.n)),
         ]
         rows.append(row(metric.head, cells, group=contrast.group, better=metric.better))
-    note = f"{words}; {family_note(family)} (p).{'' if ends else CHANCE}"
+    note = f"{words}; {family_note(family)}.{'' if ends else CHANCE}"
     columns = ("difference", "95 % interval", "p", *(() if ends else ("P(better)",)), "n")
     return Table(name, title, (*ends, *columns), tuple(rows), (note, *notes), head="metric")
-
-
-def _mean_cell(values: FloatArray, metric: Description) -> Cell:
-    """Mean ± 1.96 SEM of the episodes."""
-    half = NORMAL_95 * float(statistics.sem(values))
-    return number_cell(float(statistics.mean(values)), metric.digits, half)
 
 
 def _chance(x: FloatArray, y: FloatArray, way: int) -> Cell:

@@ -10,7 +10,7 @@ from mjforage.view.report.run_logs import Case, RunLogs, policy_name
 def comparison_table(logs: RunLogs) -> Table:
     """All pairs of policies within each world, in the metrics to compare in.
 
-    What is bold is so after Holm's correction over the whole table.
+    All of the table are one family of tests.
     """
     contrasts = []
     for world in logs.run.worlds:
@@ -25,6 +25,5 @@ def comparison_table(logs: RunLogs) -> Table:
         "Paired comparison",
         metrics,
         contrasts,
-        "Difference: first policy minus second, mean over the episodes where both are defined, "
-        "with the bootstrap 95 % interval of itself alone",
+        "Difference: first policy minus second, mean over the episodes where both are defined",
     )

@@ -12,6 +12,7 @@ from mjforage.view.page.figure import WIDE_IN, ReportFigure, canvas
 from mjforage.view.page.table import Table
 from mjforage.view.report.contrasts import Contrast, differences_table, every_metric_table
 from mjforage.view.report.curves import axis_label
+from mjforage.view.report.differences import Estimate, judged
 from mjforage.view.report.run_logs import Case, RunLogs
 from mjforage.view.report.text_tables import HEADLINE, undefined_note
 
@@ -42,8 +43,7 @@ def gap_table(logs: RunLogs) -> Table:
         list(logs.metrics.values()),
         [_between(logs, policy, last, first) for policy in logs.policies if first != last],
         "The same episodes in both worlds: equal items, drift and starts. Difference: "
-        f"{last} minus {first}, mean over the episodes where both are defined, with the bootstrap "
-        "95 % interval of itself alone",
+        f"{last} minus {first}, mean over the episodes where both are defined",
         (last, first),
         undefined_note(one for one in logs.metrics.values() if not logs.defined(one.key)),
     )
@@ -67,7 +67,7 @@ def levels_table(logs: RunLogs) -> Table:
             for before, world in steps
         ],
         f"Each row adds a piece of reality to the row above ({adds}), on the same episodes: paired "
-        "mean difference and bootstrap 95 % interval of itself alone",
+        "mean difference and 95 % interval",
         "world",
     )
 
@@ -82,25 +82,27 @@ def gap_figures(logs: RunLogs) -> list[ReportFigure]:
     rows = -(-len(metrics) // COLUMNS)
     figure = canvas(WIDE_IN, rows * (MARGIN_IN + ROW_IN * (len(contrasts) + 1)))
     grid = figure.subplots(rows, COLUMNS, sharey=True, squeeze=False)
-    for axes, metric in zip(grid.flat, metrics, strict=False):
-        _draw(axes, contrasts, metric)
+    found = judged([[(one.gaps(metric), metric.digits) for one in contrasts] for metric in metrics])
+    for axes, metric, gaps in zip(grid.flat, metrics, found, strict=False):
+        _draw(axes, [one.case.look for one in contrasts], metric, gaps)
     for axes in grid.flat[len(metrics) :]:
         axes.set_visible(False)
     grid[0, 0].set_yticks(range(len(contrasts)), logs.policies)
     grid[0, 0].set_ylim(len(contrasts) - 0.5, -0.5)
     caption = (
-        f"Points: {last} minus {first}, mean over the same episodes; lines: bootstrap 95 % "
-        "interval. At 0 a metric is the same in both worlds."
+        f"Points: {last} minus {first}, mean over the same episodes; lines: 95 % intervals that "
+        "hold together. At 0 a metric is the same in both worlds."
     )
     title = f"{last.capitalize()} minus {first}"
     return [ReportFigure("gap", title, caption, figure, wide=True)]
 
 
-def _draw(axes: Axes, contrasts: list[Contrast], metric: Description) -> None:
-    """Difference and interval of each contrast, from top to bottom."""
+def _draw(
+    axes: Axes, looks: list[style.PolicyStyle], metric: Description, gaps: list[Estimate]
+) -> None:
+    """Difference and interval of each policy, from top to bottom."""
     axes.axvline(0.0, color=style.MUTED, linewidth=0.8)
-    for place, one in enumerate(contrasts):
-        look, gap = one.case.look, one.gap(metric)
+    for place, (look, gap) in enumerate(zip(looks, gaps, strict=True)):
         axes.plot([gap.low, gap.high], [place, place], color=look.colour, linewidth=2.0)
         axes.plot([gap.value], [place], color=look.colour, marker=look.marker, markersize=6)
     axes.set_xlabel(axis_label(metric))

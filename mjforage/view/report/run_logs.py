@@ -18,6 +18,7 @@ from mjforage.runs.parquet import collected, count_rows, read_schema, scan_parqu
 from mjforage.runs.run_info import AGAIN, REMEDY, RunInfo, load_run, read_json
 from mjforage.runs.selection import recording_files
 from mjforage.view.page import style
+from mjforage.view.page.table import Number
 from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_means
 
 FloatArray = NDArray[np.float64]
@@ -33,13 +34,19 @@ class Summary:
 
     mean: float
     sem: float  # standard error of the mean, not multiplied
-    low: float  # bootstrap 95 % interval
+    low: float  # 95 % interval
     high: float
     iqm: float  # interquartile mean
+    worst: float  # mean of the worst 5 % of the episodes
     n: int  # episodes where the metric is defined
 
+    @property
+    def number(self) -> Number:
+        """Mean and interval."""
+        return Number(self.mean, self.low, self.high)
 
-UNDEFINED = Summary(math.nan, math.nan, math.nan, math.nan, math.nan, 0)
+
+UNDEFINED = Summary(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, 0)
 
 Summaries = dict[str, dict[str, dict[str, Summary]]]
 """World, policy, metric key."""
@@ -228,9 +235,9 @@ def _load_summary(path: Path, run: RunInfo) -> Summaries:
 
 def _entry(value: Mapping[str, Any]) -> Summary:
     low, high = value["ci95"]
-    told = (value["mean"], value["sem"], low, high, value["iqm"])
-    mean, sem, low, high, iqm = (math.nan if one is None else float(one) for one in told)
-    return Summary(mean, sem, low, high, iqm, int(value["n"]))
+    told = (value["mean"], value["sem"], low, high, value["iqm"], value.get("worst5"))
+    mean, sem, low, high, iqm, worst = (math.nan if one is None else float(one) for one in told)
+    return Summary(mean, sem, low, high, iqm, worst, int(value["n"]))
 
 
 def parse_summary(data: Mapping[str, Any], where: str = "summary") -> Summaries:

@@ -1,8 +1,10 @@
 """Tables of metrics of a run: headline, the paper's, all metrics, and the one for a terminal."""
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
+import polars as pl
 from rich.table import Table as RichTable
 from rich.text import Text
 
@@ -11,14 +13,19 @@ from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report.best_marks import NOTE, best_of
 from mjforage.view.report.cells import (
-    NORMAL_95,
+    FEW,
+    INTERVAL,
+    ROUGH,
     Cell,
+    is_rough,
     metrics_table,
     minutes,
+    needed_digits,
     number,
     number_cell,
     row,
     span,
+    spread,
     summary_cell,
 )
 from mjforage.view.report.published import (
@@ -30,9 +37,9 @@ from mjforage.view.report.published import (
 )
 from mjforage.view.report.run_logs import UNDEFINED, RunLogs, Summary, case_name, parse_summary
 
-HEADLINE = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "csr", "gini_foragers", "length")
-TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")
-LINKED = (*TERMINAL[:5], "csr", "handover", "length")  # where it is defined; no more would fit
+HEADLINE = ("pta_d", "pta_c", "below_90", "rmse", "nt50", "nt90", "csr", "length")
+TERMINAL = ("pta_d", "pta_c", "below_90", "rmse", "nt90", "csr")
+LINKED = (*TERMINAL[:5], "handover")  # where it is defined; no more would fit
 
 
 def _paper_rows(known: Published, metrics: Sequence[Description], map_: str) -> list[Row]:
@@ -80,8 +87,7 @@ def metric_table(
 def headline_table(logs: RunLogs) -> Table:
     """Return the few numbers that a reader wants first."""
     note = (
-        "Mean ± 1.96 SEM over the episodes where the metric is defined; "
-        f"{NOTE}. NT_50 and NT_90 are shares of the horizon, "
+        f"{INTERVAL}; {NOTE}. NT_50 and NT_90 are shares of the horizon, "
         f"{number(minutes(logs.run, logs.run.horizon), 0)} min; a share that is never removed "
         "counts as the whole of it."
     )
@@ -94,9 +100,9 @@ def paper_table(logs: RunLogs) -> Table:
     notes = (
         "RMSE_columns is the number that the paper printed; RMSE follows its equation. The "
         "sensitivity slopes of its Table 4 come from `mjforage study corruption`.",
-        f"{NOTE[0].upper()}{NOTE[1:]}.",
+        f"{INTERVAL}; the paper's own: ± 1.96 SEM; {NOTE}.",
     )
-    title = "The paper's Tables 2 to 4, mean ± 1.96 SEM"
+    title = "The paper's Tables 2 to 4"
     return metric_table(logs, "paper", title, keys, notes=notes)
 
 
@@ -107,7 +113,7 @@ def undefined_note(metrics: Iterable[Description]) -> list[str]:
 
 
 def full_table(logs: RunLogs) -> Table:
-    """Every metric: mean, 1.96 SEM, bootstrap 95 % interval, IQM and n; dashes without it.
+    """Every metric: mean, 95 % interval, IQM, mean of the worst 5 %, and n; dashes without it.
 
     Those of a link, and others that no episode of the run defines, are only named.
     """
@@ -115,7 +121,7 @@ def full_table(logs: RunLogs) -> Table:
     rows = [
         row(
             case.head,
-            full_cells(case.summary(metric.key), metric.digits),
+            full_cells(case.summary(metric.key), metric),
             case.look.colour,
             group=metric.head,
             note=metric.definition,
@@ -125,35 +131,36 @@ def full_table(logs: RunLogs) -> Table:
         if metric not in nowhere
         for case in logs.by_policy
     ]
-    columns = ("mean", "1.96 SEM", "95 % interval", "IQM", "n")
+    columns = ("mean", "95 % interval", "IQM", "worst 5 %", "n")
     notes = (
-        "Interval: bootstrap of the mean over episodes. IQM: mean of the middle half. n: episodes "
-        "where the metric is defined; the others are left out.",
+        f"{INTERVAL}. IQM: mean of the middle half. Worst 5 %: mean of the worst twentieth of the "
+        "episodes. n: episodes where the metric is defined; the others are left out.",
         *undefined_note(nowhere),
     )
     return Table("metrics", "All metrics", columns, tuple(rows), notes)
 
 
-def full_cells(entry: Summary, digits: int) -> tuple[Cell, ...]:
+def full_cells(entry: Summary, metric: Description) -> tuple[Cell, ...]:
     """Cells of `full_table` for one entry."""
-    defined = entry.low == entry.low
-    words = span(entry.low, entry.high, digits) if defined else NOTHING
+    digits = metric.digits
+    words = span(entry.low, entry.high, digits) if entry.low == entry.low else NOTHING
+    words += f" {ROUGH}" if entry.n > 1 and is_rough(metric, entry.n) else ""
     return (
         number_cell(entry.mean, digits),
-        number_cell(NORMAL_95 * entry.sem, digits),
         Cell(words, Number(float("nan"), entry.low, entry.high)),
         number_cell(entry.iqm, digits),
+        number_cell(entry.worst, digits),
         Cell(str(entry.n), Number(entry.n)),
     )
 
 
 def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> RichTable:
-    """Headline numbers of a `summary.json` for the terminal, mean and 1.96 SEM below it.
+    """Headline numbers of a `summary.json` for the terminal, mean and 95 % interval below it.
 
     Parameters
     ----------
     summary
-        {world: {policy: {metric: {"mean", "sem", "ci95", "iqm", "n"}}}}
+        {world: {policy: {metric: {"mean", "sem", "ci95", "iqm", "worst5", "n"}}}}
 
     Raises
     ------
@@ -170,7 +177,7 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
         describe(key) for key in (filter(defined, LINKED) if defined("handover") else TERMINAL)
     ]
     table = RichTable(
-        title="mean ± 1.96 SEM",
+        title=f"mean, 95 % interval; {ROUGH}: fewer than {FEW} episodes, it covers less often",
         title_justify="left",
         title_style="dim",
         box=None,
@@ -183,11 +190,37 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
         table.add_column(Text(metric.plain + unit), justify="right", no_wrap=True)
     for world, policy in cases:
         found = [parsed[world][policy].get(metric.key, UNDEFINED) for metric in metrics]
-        cells = (
-            number_cell(entry.mean, metric.digits, NORMAL_95 * entry.sem).text
-            for entry, metric in zip(found, metrics, strict=True)
-        )
+        cells = map(_terminal_cell, found, metrics)
         name = case_name(world, policy, list(parsed), bounds).replace(" (bound)", "\n(bound)")
         head = Text(name, style=style.policy_colour(policy))
-        table.add_row(head, *(Text(cell.replace(" ± ", "\n± ")) for cell in cells))
+        table.add_row(head, *map(Text, cells))
     return table
+
+
+def needed_table(needed: pl.DataFrame, difference: float) -> RichTable:
+    """Rows of `Run.episodes_needed`, for the terminal."""
+    metric = describe(needed["metric"][0])
+    table = RichTable(
+        title=f"episodes that find a difference of {difference:g} in {metric.plain} {metric.unit}",
+        title_justify="left",
+        title_style="dim",
+        box=None,
+        padding=(0, 1, 0, 0),
+    )
+    for column in ("world", "policy", "SD", "episodes"):
+        table.add_column(column, justify="right" if column in ("SD", "episodes") else "left")
+    for world, policy, _, sd, episodes in needed.iter_rows():
+        told = NOTHING if episodes is None else f"{episodes:,}"
+        spread = NOTHING if sd is None else number(sd, metric.digits)
+        table.add_row(world, policy, spread, told)
+    return table
+
+
+def _terminal_cell(entry: Summary, metric: Description) -> str:
+    """Mean, below it its interval in the digits that it needs, and whether that is rough."""
+    mean = number(entry.mean, metric.digits)
+    if math.isnan(entry.low):
+        return mean
+    digits = min(metric.digits, needed_digits((entry.high - entry.low) / 2, metric.digits))
+    around = spread(entry.number, digits).replace(" to ", "–")
+    return "\n".join([mean, around, *([ROUGH] if is_rough(metric, entry.n) else [])])

@@ -8,7 +8,7 @@ import polars as pl
 import pytest
 
 import mjforage as mf
-from mjforage.metrics import holm, paired_difference, paired_p
+from mjforage.metrics import compared
 from tests.mjforage.api.conftest import drawn, nearest
 
 
@@ -40,9 +40,8 @@ def test_differences_between_policies_and_between_worlds(run: mf.Run) -> None:
     assert found["world"].to_list() == ["graph", "physics"]
     for row in found.iter_rows(named=True):
         mine, other = values(row["world"], "nearest"), values(row["world"], "drawn")
-        wanted = paired_difference(mine - other, np.zeros(3), 0)
-        assert (row["difference"], row["n"]) == (pytest.approx(float(wanted.value)), 3)
-        assert row["p"] == pytest.approx(float(paired_p(mine, other)), nan_ok=True)
+        assert (row["difference"], row["n"]) == (pytest.approx(float((mine - other).mean())), 3)
+        assert row["p"] is None is row["low"], "too few episodes"
     gap = run.differences(world=("graph", "physics"), metrics=["pta_d"])
     assert gap["policy"].to_list() == ["nearest", "drawn"]
     wanted = (values("physics", "nearest") - values("graph", "nearest")).mean()
@@ -50,10 +49,23 @@ def test_differences_between_policies_and_between_worlds(run: mf.Run) -> None:
     assert gap[0, "world"] == "physics - graph"
 
 
-def test_p_values_are_corrected_for_all_rows(run: mf.Run) -> None:
-    found = run.differences("nearest", "drawn")
-    assert found["p_holm"].to_list() == pytest.approx(holm(found["p"]).tolist(), nan_ok=True)
-    assert (found["p_holm"] > found["p"]).any()
+def test_intervals_and_p_are_of_all_rows_together_and_tell_what_a_difference_needs() -> None:
+    run = mf.evaluate("comb-port", ["greedy", "random"], episodes=12, horizon=30, record=())
+    found = run.differences("greedy", "random", metrics=["pta_d", "length", "nt90"])
+    keys = found["metric"].to_list()
+    columns = {who: run.episodes.filter(policy=who) for who in run.policies}
+    gaps = [(columns["greedy"][key] - columns["random"][key]).to_numpy() for key in keys]
+    family = compared(gaps)
+    np.testing.assert_array_equal(found["p"].to_numpy(), family.p)
+    np.testing.assert_array_equal(found["low"].to_numpy(), family.low)
+    needed = run.episodes_needed(1.0, "pta_d")
+    assert needed.columns == ["world", "policy", "metric", "sd", "episodes"]
+    sd = float(np.std(gaps[keys.index("pta_d")], ddof=1))
+    assert needed[0, "sd"] == pytest.approx(sd)
+    assert needed[0, "episodes"] == int(np.ceil((1.959964 + 0.841621) ** 2 * sd**2 + 1.920729))
+    assert run.episodes_needed(2 * sd, "pta_d")[0, "episodes"] == 4
+    with pytest.raises(mf.UserError, match=r"difference = -1: give a finite number above 0"):
+        run.episodes_needed(-1)
 
 
 def test_figures_page_and_player(run: mf.Run, tmp_path: Path) -> None:

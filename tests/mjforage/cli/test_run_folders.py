@@ -27,7 +27,7 @@ def test_a_pipe_gets_the_whole_table(reported: tuple[Path, list[str]]) -> None:
     table = "\n".join(lines[1:-1])
     assert "…" not in table
     assert "\x1b" not in table
-    for word in ("PTA D", "NT 50", "Throughput", "CSR", "Length", "[steps]", "lawnmower", "± "):
+    for word in ("PTA D", "Below 90", "RMSE", "NT 90", "CSR", "[%]", "lawnmower", "rough"):
         assert word in table
     mean = json.loads((folder / "summary.json").read_text())["graph"]["greedy"]["pta_d"]["mean"]
     assert f"{mean:.2f}" in table

@@ -12,7 +12,7 @@ import pytest
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.networks.weights import shipped_weights
 from mjforage.graph_planner.policies.registry import check_policies
-from mjforage.mission.scoring import chosen_metrics
+from mjforage.mission.scoring import chosen_metrics, description
 from mjforage.mission.setup import Setup
 from mjforage.runs import evaluate as module
 from mjforage.runs import layout
@@ -102,7 +102,7 @@ def test_summary_is_of_the_episodes_with_null_where_undefined(finished: Path) ->
         rows = tables(finished, policy)["episodes"]
         assert list(entries) == [one.key for one in chosen_metrics()]
         for key, entry in entries.items():
-            assert list(entry) == ["mean", "sem", "ci95", "iqm", "n"]
+            assert list(entry) == ["mean", "sem", "ci95", "iqm", "worst5", "n"]
             values = [value for value in rows[key] if not math.isnan(value)]
             assert entry["n"] == len(values)
             if values:
@@ -122,17 +122,20 @@ def test_summary_of_numbers_known_by_hand() -> None:
             for i, (value, csr) in enumerate(((1.0, 0.5), (3.0, math.nan), (5.0, 0.7)))
         ]
     )
-    entries = summarise(frame)["graph"]["a"]
+    entries = summarise(frame, map(description, chosen_metrics()), 150)["graph"]["a"]
     assert entries["pta_c"]["mean"] == 3.0
     assert entries["pta_c"]["sem"] == pytest.approx(2 / math.sqrt(3))
     assert (entries["csr"]["mean"], entries["csr"]["n"]) == (pytest.approx(0.6), 2)
-    assert entries["dsl"] == {"mean": None, "sem": None, "ci95": [None, None], "iqm": None, "n": 0}
-    assert entries["nt50"]["ci95"] == [2.0, 2.0]
+    assert entries["dsl"] == UNDEFINED
+    assert entries["pta_c"]["worst5"] == 1.0
+    share = 1 - 0.05 ** (1 / 3)  # of episodes with 0, of which three are none
+    assert entries["nt50"]["ci95"] == pytest.approx([2.0 - 2.0 * share, 2.0])
 
 
+UNDEFINED = dict.fromkeys(("mean", "sem", "iqm", "worst5")) | {"ci95": [None, None], "n": 0}
 EVERYWHERE = {
     *("pta_d", "pta_c", "rmse", "rmse_columns", "nt50", "nt90", "mi_final", "mi_mean", "irr_mean"),
-    *("itl", "itl_level", "length", "cleared", "aoi", "aoi_peak"),
+    *("itl", "itl_level", "length", "cleared", "below_90", "aoi", "aoi_peak"),
 }
 OF_LINKS = {
     *("position_age", "disagreement", "rmse_holders", "contact"),
@@ -161,7 +164,7 @@ def test_a_fleet_without_scouts_leaves_their_metrics_undefined(
     assert (rows["csr"] == 0).all()
     assert not rows.select(pl.col(*EVERYWHERE).is_nan().any()).row(0).count(True)
     entry = json.loads((run / "summary.json").read_text())["graph"]["greedy"]["co_scouts"]
-    assert entry == {"mean": None, "sem": None, "ci95": [None, None], "iqm": None, "n": 0}
+    assert entry == UNDEFINED
 
 
 def test_a_fleet_without_foragers_removes_nothing(evaluate_small: Small, tmp_path: Path) -> None:

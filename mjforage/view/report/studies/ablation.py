@@ -1,14 +1,14 @@
 """Contribution of an agent of each team: the paper's Tables 5 and 6."""
 
-from mjforage.metrics import paired_contribution, paired_p
+from mjforage.metrics import paired_contribution
 from mjforage.mission.scoring import describe
 from mjforage.runs.studies.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
-from mjforage.view.report.cells import metrics_table, printed_row, row, summary_cell
-from mjforage.view.report.differences import SEED, Estimate, family_note, judged
+from mjforage.view.report.cells import INTERVAL, metrics_table, printed_row, row, summary_cell
+from mjforage.view.report.differences import family_note, judged
 from mjforage.view.report.published import elsewhere, published_for
-from mjforage.view.report.run_logs import policy_name
+from mjforage.view.report.run_logs import FloatArray, policy_name
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.study_logs import StudyLogs
 
@@ -23,14 +23,15 @@ def teams(logs: StudyLogs) -> list[str]:
     return [team for team in logs.base.scenario["team"] if lesser_name(team) in logs.runs]
 
 
-def contribution(logs: StudyLogs, team: str, world: str, policy: str, key: str) -> Estimate:
-    """Marginal Contribution of one agent of a team."""
+def contribution(
+    logs: StudyLogs, team: str, world: str, policy: str, key: str
+) -> tuple[FloatArray, int]:
+    """Marginal Contribution of one agent of a team, as `paired_contribution`, with its digits."""
     full, without = (
         logs.case(variant, world, policy).values(key) for variant in (COMPLETE, lesser_name(team))
     )
     higher = describe(key).better > 0
-    found = paired_contribution(full, without, SEED, higher_is_better=higher)
-    return Estimate(found, float(paired_p(full, without)), DIGITS)
+    return paired_contribution(full, without, higher_is_better=higher), DIGITS
 
 
 def setups_table(logs: StudyLogs) -> Table:
@@ -52,7 +53,7 @@ def setups_table(logs: StudyLogs) -> Table:
                 rows.append(
                     printed_row(head, [(found.get(m.key), m.digits) for m in metrics], **about)
                 )
-    notes = ["Mean ± 1.96 SEM."]
+    notes = [f"{INTERVAL}."]
     if any(one.paper for one in rows):
         notes.append(
             "The paper's table has the PTA_D and PTA_C columns of its ablated rows exchanged; they "
@@ -65,8 +66,8 @@ def setups_table(logs: StudyLogs) -> Table:
 def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str, ...]) -> Table:
     """Marginal Contribution per role and metric."""
     cases = [(t, p, w) for t in teams(logs) for p in logs.policies for w in logs.worlds]
-    lines = [[contribution(logs, t, w, p, key) for key in keys] for t, p, w in cases]
-    cells, rows = iter(judged(lines)), []
+    lines = judged([[contribution(logs, t, w, p, key) for key in keys] for t, p, w in cases])
+    cells, rows = iter([[one.cell() for one in line] for line in lines]), []
     for team in teams(logs):
         group = {"group": f"one agent of {team}"}
         for policy in logs.policies:
@@ -79,8 +80,8 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
                 rows.append(printed_row(head, theirs, **group))
     note = (
         "Share of the performance that an agent brings: (full − without) / full, for costs "
-        "(without − full) / without, of the means; in parentheses the bootstrap 95 % interval over "
-        "pairs of the same episodes, of itself alone; "
+        "(without − full) / without, of the means; in parentheses the 95 % interval over pairs of "
+        "the same episodes; "
         f"{family_note([one for line in lines for one in line])}. Negative: better without."
     )
     about = {"units": (), "better": (1,) * len(keys)}

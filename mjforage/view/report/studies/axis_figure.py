@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from mjforage.metrics import FEWEST
 from mjforage.mission.scoring import Description, describe
 from mjforage.runs.studies.axes import Axis
 from mjforage.view.page import style
 from mjforage.view.page.figure import WIDE_IN, Panel, ReportFigure, canvas, house_style, joined
 from mjforage.view.report.contrasts import Contrast
 from mjforage.view.report.curves import axis_label
-from mjforage.view.report.differences import FEWEST, Difference, family_note, set_apart
+from mjforage.view.report.differences import Estimate, estimates, family_note
 from mjforage.view.report.studies.study_logs import StudyLogs
 
 KEYS = ("pta_c", "nt90")
@@ -37,26 +38,24 @@ class AxisFigure:
     policies: tuple[str, ...]
 
     @cached_property
-    def gaps(self) -> dict[Drawn, Difference]:
+    def gaps(self) -> dict[Drawn, Estimate]:
         """Differences of points to the variant that their axis is compared with."""
-        return {
-            (key, axis.name, policy, point.variant): Contrast(
-                "",
-                self.logs.case(point.variant, self.world, policy),
-                self.logs.case(axis.against, self.world, policy),
-            ).gap(describe(key))
-            for key in KEYS
+        gaps = {
+            (metric.key, axis.name, policy, point.variant): (
+                Contrast(
+                    "",
+                    self.logs.case(point.variant, self.world, policy),
+                    self.logs.case(axis.against, self.world, policy),
+                ).gaps(metric),
+                metric.digits,
+            )
+            for metric in map(describe, KEYS)
             for axis in self.axes
             for policy in self.policies
             for point in axis.points
             if point.variant != axis.against and self.logs.plays(policy, point.variant)
         }
-
-    @cached_property
-    def significant(self) -> set[Drawn]:
-        """Points that differ significantly from the variant that they are compared with."""
-        pairs = zip(self.gaps, set_apart(list(self.gaps.values())), strict=True)
-        return {one for one, apart in pairs if apart}
+        return dict(zip(gaps, estimates(list(gaps.values())), strict=True))
 
     def draw(self, axes: Axes, axis: Axis, metric: Description) -> None:
         """Draw a panel: means with intervals, joined; policies and lines side by side."""
@@ -75,7 +74,8 @@ class AxisFigure:
             ends = [one.low for one in found], [one.high for one in found]
             axes.vlines(x, *ends, color=look.colour, linewidth=1.2, alpha=0.6)
             for at, one, mean in zip(x, played, means, strict=True):
-                filled = (metric.key, axis.name, policy, one.variant) in self.significant
+                gap = self.gaps.get((metric.key, axis.name, policy, one.variant))
+                filled = gap is not None and gap.apart
                 face = look.colour if filled else "white"
                 dot: dict[str, Any] = {"markersize": 5.5, "markeredgewidth": 1.3, "zorder": 4}
                 axes.plot(at, mean, **look.dots, markerfacecolor=face, **dot)
@@ -138,7 +138,7 @@ def _figure(about: tuple[str, str, str], shown: AxisFigure, names: Sequence[str]
     note = family_note(list(shown.gaps.values()), "this figure", "filled")
     name, title, caption = about
     words = (
-        f"{caption} Markers and bars: means and their bootstrap 95 % intervals; {note} and is of "
+        f"{caption} Markers and bars: means and their 95 % intervals; {note} and is of "
         f"{FEWEST} episodes or more."
     )
     if scales:

@@ -3,6 +3,7 @@
 from mjforage.runs.studies.board import CEILING
 from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
+from mjforage.view.report.cells import INTERVAL
 from mjforage.view.report.report_page import map_words
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies.board_figures import frontier_picture, profiles_picture
@@ -48,7 +49,7 @@ def sections(logs: StudyLogs) -> list[Section]:
         "policies of a task play the same episodes. No policy is left out for doing badly."
     )
     means = (
-        f"Mean ± 1.96 SEM over the episodes. {MARKED} Decision: CPU time that the policy takes to "
+        f"{INTERVAL}. {MARKED} Decision: CPU time that the policy takes to "
         "decide for the whole fleet once, in the batches of episodes in which it was asked (up to "
         "50, with hulls 10), without its first call; ≤ where all chunks are a worker's first of "
         "that policy, which load and compile. Where agents have different information every one "

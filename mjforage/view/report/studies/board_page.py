@@ -9,9 +9,9 @@ import jinja2
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
+from mjforage.metrics import FEWEST
 from mjforage.view.page.figure import ReportFigure, house_style, png_bytes, smaller
 from mjforage.view.page.table_files import markdown_text
-from mjforage.view.report.differences import FEWEST
 from mjforage.view.report.report_page import versions_words
 from mjforage.view.report.sections import Section
 from mjforage.view.report.studies import board

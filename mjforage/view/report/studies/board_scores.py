@@ -7,15 +7,15 @@ from functools import cached_property
 import numpy as np
 from scipy.stats import rankdata
 
-from mjforage.metrics import normalised, paired_p, resampled_means
+from mjforage.metrics import normalised, resampled_means
 from mjforage.metrics.resampling import percentiles
 from mjforage.mission.scoring import Description, describe
 from mjforage.runs.costs import Cost
 from mjforage.runs.studies.board import CEILING, FLOOR
 from mjforage.view.page import style
 from mjforage.view.page.table import Number
-from mjforage.view.report.best_marks import LEVEL, best_and_alike
-from mjforage.view.report.differences import SEED
+from mjforage.view.report.best_marks import best_and_alike
+from mjforage.view.report.differences import SEED, estimates
 from mjforage.view.report.run_logs import Case, FloatArray, policy_name
 from mjforage.view.report.studies.study_logs import StudyLogs, ordered_policies
 
@@ -98,6 +98,11 @@ class Board:
             cell: best_and_alike(self.competing(cell), describe(cell[1]).better)
             for cell in self.cells
         }
+
+    def told(self, cell: TaskScore) -> bool:
+        """True if some policy is told from the best of a cell."""
+        known = sum(bool(np.isfinite(x).any()) for x in self.competing(cell).values())
+        return 0 < len(self.winners[cell]) < known
 
     @cached_property
     def _later(self) -> set[Cost]:
@@ -212,13 +217,13 @@ class Standing:
 
 
 def _told(board: Board, cell: TaskScore) -> bool:
-    """True if the ceiling is better than the floor there, by a paired t-test at the usual level."""
+    """True if the ceiling is better than the floor there, with 0 outside its interval."""
     task, score = cell
     if not {FLOOR, CEILING} <= set(board.players(task)):
         return False
     low, high = (board.case(task, one).values(score) for one in (FLOOR, CEILING))
-    gap = describe(score).better * plain_means(high - low)
-    return bool(gap > 0 and paired_p(high, low) < LEVEL)
+    (found,) = estimates([(describe(score).better * (high - low), 0)])
+    return found.apart and found.value > 0
 
 
 def _scaled(board: Board, draws: FloatArray, score: str) -> FloatArray:

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mjforage.metrics import FEWEST
 from mjforage.mission.scoring import describe
 from mjforage.view.page.figure import joined
 from mjforage.view.page.table import Number, Row, Table
-from mjforage.view.report.best_marks import FEWEST, LEVEL, against_best, best
+from mjforage.view.report.best_marks import best_first
 from mjforage.view.report.cells import (
     UNDEFINED,
     Cell,
@@ -18,7 +19,7 @@ from mjforage.view.report.cells import (
     row,
     summary_cell,
 )
-from mjforage.view.report.differences import Difference, p_text
+from mjforage.view.report.differences import HOW, LEVEL, estimates, p_text, pairs
 from mjforage.view.report.studies.board_scores import (
     SCORES,
     Board,
@@ -32,9 +33,9 @@ DECISION = "Decision"
 DECISION_UNIT = "ms of CPU"
 BEST = "best"
 MARKED = (
-    "Bold: the best mean of the column and those that cannot be told from it (paired t-tests with "
-    f"the best over the same episodes at the level {LEVEL:g}, corrected by Holm's method for the "
-    f"policies of the task, {FEWEST} episodes or more; bounds aside; none where all are alike)."
+    "Bold: the best mean of the column and those that cannot be told from it (multiple comparisons "
+    f"with the best: {HOW} of all pairs over the same episodes, together at the level {LEVEL:g}, "
+    f"{FEWEST} episodes or more; bounds aside)."
 )
 
 
@@ -81,10 +82,9 @@ def differences_table(board: Board) -> Table:
     ]
     note = (
         "Policy minus the policy with the best mean of the task in that score, over the same "
-        "episodes, with the bootstrap 95 % interval of itself alone; p: paired t-test, corrected "
-        "by Holm's method for the policies of the task in that score. Bold: p below "
-        f"{LEVEL:g}, {FEWEST} episodes or more. The best is picked by these same episodes, which "
-        "makes its lead look a little larger than it is. Bounds are not tested."
+        "episodes, with its 95 % interval and p, which hold for all pairs of policies of the task "
+        f"in that score together ({HOW}). Bold: p below {LEVEL:g}. Those of a bound are of itself "
+        "alone."
     )
     title = "Differences to the best of the task"
     return metrics_table("differences", title, board.metrics, rows, [note], stacked=True)
@@ -94,23 +94,26 @@ def _column(board: Board, cell: TaskScore) -> dict[str, Cell]:
     """Policies of a task -> difference to its best in one score."""
     (task, score), competing = cell, board.competing(cell)
     metric = describe(score)
-    top, tested = best(competing, metric.better), against_best(competing, metric.better)
-    if top is None:
+    names = best_first(competing, metric.better)
+    if not names:
         return dict.fromkeys(board.players(task), UNDEFINED)
+    top = names[0]
     found = {top: Cell(BEST)}
+    tested = pairs(competing, metric.digits)
     for policy in board.players(task):
         if policy != top:
-            gap = Difference(board.case(task, policy).values(score), competing[top], metric)
-            p = tested.get(policy, np.nan)
+            gaps = board.case(task, policy).values(score) - competing[top]
+            gap = tested.get((policy, top)) or estimates([(gaps, metric.digits)])[0]
+            p = gap.p
             small = "" if np.isnan(p) else f"p {p_text(p)}" if p < 0.001 else f"p = {p_text(p)}"
-            found[policy] = gap.cell(gap.n >= FEWEST and p < LEVEL, small)
+            found[policy] = gap.cell(small)
     return found
 
 
 def overall_table(standing: Standing) -> Table:
     """All tasks in one row per policy, the highest normalised score first, bounds last."""
     board, ranks = standing.board, mean_ranks(standing.board)
-    judged = [cell for cell, found in board.winners.items() if found]
+    judged = [cell for cell, found in board.winners.items() if board.told(cell)]
     shown = standing.normalised
     rows = []
     for policy in _by_score(standing):
@@ -155,8 +158,8 @@ def _overall_note(standing: Standing, judged: int) -> str:
         "and averaged; in parentheses the bootstrap 95 % interval (episodes resampled within "
         f"tasks, the same ones for all policies). Of the {len(board.cells)} cells of a task "
         f"and a score {len(standing.used)} are in it: those of the {len(board.shared)} tasks "
-        "that all policies play in which `oracle` is better than `random` (paired t-test at the "
-        f"level {LEVEL:g}){nowhere}. Best: cells in which the policy is best or not "
+        "that all policies play in which `oracle` is better than `random` (paired, at the level "
+        f"{LEVEL:g}){nowhere}. Best: cells in which the policy is best or not "
         f"told from it, of the {judged} in which some policy is told from the best. Rank: mean of "
         "the ranks by means, bounds aside. Decision: geometric mean over those tasks of the CPU "
         "time that the policy takes to decide for the whole fleet, in batches, without its first "

@@ -12,6 +12,7 @@ from mjforage.view.page.figure import house_style
 from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report.cells import Cell, number_cell, printed_row, row, span, summary_cell
 from mjforage.view.report.curves import time_figures
+from mjforage.view.report.differences import estimates
 from mjforage.view.report.distributions import distribution_figures
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.published import (
@@ -42,7 +43,7 @@ class Beside:
 
     name: str
     paper: float
-    ours: Number  # with our bootstrap 95 % interval
+    ours: Number  # with our 95 % interval
     digits: int
     like: bool  # the same quantity, so that it may be asked whether the numbers agree
     place: str = NOTHING  # where the paper shows it
@@ -82,7 +83,7 @@ def _means(logs: StudyLogs, known: Published, policy: str, world: str) -> Iterat
             yield Beside(
                 f"{metric.label}{'' if whole else f', {logs.title(variant)}'}",
                 value,
-                Number(entry.mean, entry.low, entry.high),
+                entry.number,
                 metric.digits,
                 same_world(world),
                 PLACES.get(key, NOTHING) if whole else "Table 5",
@@ -93,7 +94,7 @@ def _means(logs: StudyLogs, known: Published, policy: str, world: str) -> Iterat
 def _contributions(logs: StudyLogs, known: Published, policy: str, world: str) -> Iterator[Beside]:
     for team in ablation.teams(logs):
         for key, value in known.contribution[team].items():
-            ours = ablation.contribution(logs, team, world, policy, key)
+            (ours,) = estimates([ablation.contribution(logs, team, world, policy, key)])
             name = f"MC of {describe(key).label}, one of {team}"
             yield Beside(name, value, ours.number, 4, same_world(world), "Table 6")
 
@@ -125,7 +126,7 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table:
                 colour = style.policy_colour(policy)
                 rows += [row(pair.name, pair.cells, colour, **about) for pair in pairs]
     notes = (
-        f"{_maps(logs)} Interval: bootstrap 95 % over our episodes. Within: whether the paper's "
+        f"{_maps(logs)} Interval: 95 %, over our episodes. Within: whether the paper's "
         "number lies in it, widened by the paper's own ± where it prints one; not given where the "
         "two differ in meaning, with hulls or with another rule of corruption. For the whole fleet "
         "of a baseline the numbers are those that its public code gives over many seeds (Tables 2 "

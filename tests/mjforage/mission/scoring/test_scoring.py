@@ -6,7 +6,15 @@ import pytest
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.mission import Mission
-from mjforage.mission.scoring import METRICS, Batch, Scorer, Scores, chosen_metrics, score
+from mjforage.mission.scoring import (
+    METRICS,
+    Batch,
+    Scorer,
+    Scores,
+    chosen_metrics,
+    description,
+    score,
+)
 from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario_file import load_scenario
 
@@ -85,6 +93,16 @@ def test_an_episode_is_cleared_only_when_its_last_item_is_removed(setup: Setup) 
     assert scores.scalars["cleared"].tolist() == [0.0, 1.0]
 
 
+def test_below_90_are_episodes_with_less_than_nine_of_ten_removed(setup: Setup) -> None:
+    log = log_by_hand(setup)
+    removed = np.arange(10) < np.array([[8], [9], [10]])
+    log.n_items, log.length = np.array([10, 10, 10], np.int32), np.array([10, 10, 5], np.int32)
+    log.t_discovered = log.t_collected = np.where(removed, 5, -1).astype(np.int16)
+    log.discovered_by = log.collected_by = np.where(removed, 2, -1).astype(np.int16)
+    scores = score(Batch(log, setup.fleet, 10, {}), [METRICS.find("below_90")])
+    assert scores.scalars["below_90"].tolist() == [1.0, 0.0, 0.0]
+
+
 def test_energy_per_item_is_the_way_until_the_end_over_what_was_removed(setup: Setup) -> None:
     """Ways of 10, 2, 0, 3 and 6.5 after 5 steps for 2 items; after 4 steps 5 for none."""
     log = log_by_hand(setup)
@@ -97,6 +115,15 @@ def test_energy_per_item_is_the_way_until_the_end_over_what_was_removed(setup: S
     scores = score(Batch(log, setup.fleet, 10, {}), [METRICS.find("energy_per_item")])
     assert scores.scalars["energy_per_item"][0] == pytest.approx(21.5 / 2)
     assert np.isnan(scores.scalars["energy_per_item"][1])
+
+
+def test_every_value_lies_within_the_ends_that_its_metric_states(setup: Setup) -> None:
+    """But for conventions: errors have no end, and a skill may be below 0."""
+    for key, (value,) in by_hand(setup).scalars.items():
+        least, most = description(METRICS.find(key)).ends(10)
+        assert least <= value <= most, key
+    assert description(METRICS.find("length")).ends(10) == (0.0, 10.0)
+    assert description(METRICS.find("energy_per_item")).ends(10) == (0.0, np.inf)
 
 
 def test_columns_keep_their_order_and_others_come_after() -> None:

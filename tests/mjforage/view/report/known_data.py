@@ -2,8 +2,8 @@
 
 Episodes go up and down about their mean in turn. Of ten, those a step of `3 * SEM` above and below
 it have just that SEM; players of one metric share the pattern, so that differences on the same
-episodes are equal in all of them: their interval is a point, and their p is 2^-9 = .00195, the
-least of ten pairs.
+episodes are equal in all of them: their interval is a point, and their p is `P`, about 2^-9, the
+least of ten pairs, whatever their number.
 """
 
 from collections.abc import Mapping
@@ -16,19 +16,24 @@ import polars as pl
 from numpy.typing import NDArray
 from polars import selectors
 
-from mjforage.metrics import summarise
+from mjforage.metrics import compared
+from mjforage.mission.scoring import describe
 from mjforage.mission.setup import Setup
 from mjforage.runs.costs import Cost
+from mjforage.runs.evaluate import summary_entry
 from mjforage.runs.run_info import Agent, Hulls, MapInfo, RunInfo
 from mjforage.runs.studies.study import StudyInfo, VariantInfo
 from mjforage.scenario.scenario_file import load_scenario, scenario_to_tree
 from mjforage.view.page.table import Row, Table
-from mjforage.view.report.run_logs import RunLogs, Summaries, Summary
+from mjforage.view.report.cells import is_rough, mean_cell
+from mjforage.view.report.run_logs import RunLogs, Summaries, Summary, parse_summary
 from mjforage.view.report.studies.study_logs import StudyLogs
 
 EPISODES = 10
 SEM = {"pta_c": 1.0, "pta_d": 0.5, "nt90": 0.03125, "rmse": 0.0, "rmse_columns": 0.0}
 """Of every player; 0 where a metric is not named, every episode then being its mean."""
+
+P = f"{compared([np.ones(EPISODES)]).p[0]:.3f}"
 
 Means = Mapping[tuple[str, str], Mapping[str, float | list[float]]]
 """World and policy -> metric -> mean of the episodes, or every episode."""
@@ -90,13 +95,23 @@ def _episodes(means: Means) -> pl.DataFrame:
     return pl.concat(frames, how="diagonal").sort("episode", descending=True)
 
 
+def summary_of(values: NDArray[np.float64], key: str) -> Summary:
+    """Summary of (episode,) values of a metric, as a run of 150 steps has it."""
+    entry = summary_entry(values, describe(key), 150)
+    return parse_summary({"graph": {"greedy": {key: entry}}})["graph"]["greedy"][key]
+
+
+def told(key: str, mean: float | list[float], part: float = 1.0) -> str:
+    """Cell of a mean and its interval, of ten episodes or of a part of each."""
+    metric, found = describe(key), summary_of(part * episodes_of(key, mean), key)
+    return mean_cell(found.number, metric.digits, is_rough(metric, found.n)).text
+
+
 def _summary(means: Means) -> Summaries:
     found: Summaries = {}
     for (world, policy, key), values in _values(means).items():
-        one = summarise(values, 0)
-        mean, sem, low, high, iqm = map(float, (one.mean, one.sem, one.low, one.high, one.iqm))
         here = found.setdefault(world, {}).setdefault(policy, {})
-        here[key] = Summary(mean, sem, low, high, iqm, int(one.n))
+        here[key] = summary_of(values, key)
     return found
 
 

@@ -9,10 +9,9 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from mjforage.metrics import summarise
 from mjforage.runs.studies.study import variant_folder
-from mjforage.view.report.run_logs import Summary
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
+from tests.mjforage.view.report.known_data import summary_of
 from tests.mjforage.view.report.made_up_episodes import Plan
 from tests.mjforage.view.report.made_up_runs import build
 
@@ -66,10 +65,7 @@ def with_values(logs: StudyLogs, values: Values) -> StudyLogs:
             table = table.with_columns(pl.lit(None, pl.Float64).alias(key))
         changed = table[key].to_numpy().copy()
         changed[(table["policy"] == policy).to_numpy()] = numbers
-        found = summarise(numbers, 0)
-        ends = found.mean, found.sem, found.low, found.high, found.iqm
-        mean, sem, low, high, iqm = map(float, ends)
-        one = {key: Summary(mean, sem, low, high, iqm, int(found.n))}
+        one = {key: summary_of(numbers, key)}
         own = run.summary["graph"]
         runs[variant] = replace(
             run,

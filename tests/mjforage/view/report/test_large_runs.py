@@ -8,13 +8,10 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.metrics import paired_difference
-from mjforage.mission.scoring import describe
 from mjforage.view.page import Row, Table, embedded_within
 from mjforage.view.page.figure import ReportFigure, canvas
 from mjforage.view.report import write_report
 from mjforage.view.report.curves import time_figures
-from mjforage.view.report.differences import MANY, NORMAL, SEED, Difference, family_note
 from mjforage.view.report.report_page import report_page
 from mjforage.view.report.run_logs import TRACK_STEPS, load_logs
 from mjforage.view.report.sections import ROWS, cut
@@ -103,15 +100,3 @@ def test_a_table_too_long_for_a_page_is_cut_and_says_so() -> None:
     table = cut(Table("long", "Long", ("one",), rows))
     assert len(table.rows) == ROWS
     assert table.notes == ("The first 3000 of 3001 rows; the files in `tables/` have all.",)
-
-
-def test_of_many_episodes_an_interval_is_the_normal_one_which_is_no_other() -> None:
-    x, y = np.random.default_rng(0).gamma(2.0, size=(2, MANY))
-    found, drawn = Difference(x, y, describe("pta_c")), paired_difference(x, y, SEED)
-    few = Difference(x[:-1], y[:-1], describe("pta_c"))
-    assert NORMAL in family_note([few, found]) and NORMAL not in family_note([few])
-    half = float(drawn.high - drawn.low) / 2
-    assert found.value == drawn.value and found.n == MANY
-    assert abs(found.low - float(drawn.low)) < 0.1 * half
-    assert abs(found.high - float(drawn.high)) < 0.1 * half
-    assert found.high - found.value == pytest.approx(found.value - found.low)

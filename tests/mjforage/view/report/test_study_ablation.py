@@ -5,7 +5,7 @@ import pytest
 from mjforage.view.page.style import policy_colour
 from mjforage.view.report.studies import ablation
 from mjforage.view.report.studies.study_logs import StudyLogs
-from tests.mjforage.view.report.known_data import Means, episodes_of, known_study
+from tests.mjforage.view.report.known_data import Means, episodes_of, known_study, told
 
 POLICIES = ("greedy", "auction")
 WORTH = {  # team, world, policy -> contribution to PTA_C and to NT90
@@ -68,18 +68,18 @@ def test_papers_contributions_are_of_their_team_and_stand_below_their_like(
 
 
 def test_fleets_stand_with_their_own_means(study: StudyLogs) -> None:
-    """Greedy in the graph: 80 ± 1.96 SEM of 1; without a scout three quarters of it."""
+    """Greedy in the graph: 80; without a scout three quarters of it."""
     table = ablation.setups_table(study)
     pta, nt = (table.columns.index(one) for one in ("PTA_C", "NT_90"))
     assert (table.better[pta], table.better[nt]) == (1, -1)
     found = {(row.group, row.head): row for row in table.rows if not row.paper}
-    assert found["greedy", "is complete · graph"].cells[pta] == "80.00 ± 1.96"
-    assert found["greedy", "is scouts-less · graph"].cells[pta] == "60.00 ± 1.47"
-    assert found["greedy", "is scouts-less · hulls"].cells[pta] == "40.00 ± 0.98"
-    assert found["greedy", "is foragers-less · graph"].cells[pta] == "50.00 ± 1.23"
-    assert found["greedy", "is scouts-less · hulls"].cells[nt] == "0.571 ± 0.070"
-    assert found["greedy", "is foragers-less · graph"].cells[nt] == "0.250 ± 0.031"
-    assert found["auction", "is scouts-less · hulls"].cells[pta] == "100.00 ± 2.45"
+    assert found["greedy", "is complete · graph"].cells[pta] == told("pta_c", 80.0)
+    assert found["greedy", "is scouts-less · graph"].cells[pta] == told("pta_c", 80.0, 0.75)
+    assert found["greedy", "is scouts-less · hulls"].cells[pta] == told("pta_c", 80.0, 0.5)
+    assert found["greedy", "is foragers-less · graph"].cells[pta] == told("pta_c", 80.0, 0.625)
+    assert found["greedy", "is scouts-less · hulls"].cells[nt] == told("nt90", 0.5, 8 / 7)
+    assert found["greedy", "is foragers-less · graph"].cells[nt] == told("nt90", 0.5, 0.5)
+    assert found["auction", "is scouts-less · hulls"].cells[pta] == told("pta_c", 80.0, 1.25)
     also = found["greedy", "is complete · graph"].also
     assert also[nt] == "12.5 min", "half of 150 steps of 10 s"
     papers = [(row.group, row.cells[pta]) for row in table.rows if row.paper]

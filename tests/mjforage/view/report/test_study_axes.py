@@ -11,7 +11,7 @@ from mjforage.view.page.style import policy_colour
 from mjforage.view.report.studies.along_axes import reference_table, tables_along
 from mjforage.view.report.studies.axis_figure import axis_figures
 from mjforage.view.report.studies.study_logs import StudyLogs
-from tests.mjforage.view.report.known_data import cells, known_study
+from tests.mjforage.view.report.known_data import cells, known_study, told
 from tests.mjforage.view.report.made_up_study import made_up_study, with_values, without
 
 BOTH = ("greedy", "levy")
@@ -97,8 +97,8 @@ def test_every_world_and_policy_has_its_own_tables(two_worlds: StudyLogs) -> Non
         )
         assert differences["Range", "is far"][0] == f"*−{far:.2f} (−{far:.2f} to −{far:.2f})*"
         means = found[f"means-{world}-{policy}"]
-        assert means["", "is complete"] == (f"{80 - lost:.2f} ± 1.96",)
-        assert means["Range", "is near"] == (f"{48 - 3 * lost:.2f} ± 1.96".replace("-", "−"),)
+        assert means["", "is complete"] == (told("pta_c", 80.0 - lost),)
+        assert means["Range", "is near"] == (told("pta_c", 48.0 - 3 * lost),)
     assert {table.name: table.better for table in tables}["minus-graph-levy"] == (1, -1)
 
 

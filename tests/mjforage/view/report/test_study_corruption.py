@@ -7,7 +7,7 @@ from mjforage.runs.studies.variants import corrupted_name
 from mjforage.view.page.style import policy_colour
 from mjforage.view.report.studies import corruption, paper
 from mjforage.view.report.studies.study_logs import StudyLogs
-from tests.mjforage.view.report.known_data import Means, cells, known_study
+from tests.mjforage.view.report.known_data import Means, cells, known_study, told
 
 LEVELS = (0.0, 0.25, 0.5, 0.75, 1.0)
 FALLS = {  # team, world, policy -> by how much PTA_C falls and RMSE rises from no level to all
@@ -96,19 +96,19 @@ def test_papers_slopes_are_of_their_team_and_metric(
 ) -> None:
     """Its Table 4: -45.14 of PTA_C with corrupted scouts, .0104 of RMSE with foragers."""
     rows = [row for row in corruption.slopes_table(*study).rows if row.paper]
-    told = {row.group: (row.cells[2], row.group_better) for row in rows}
-    assert told == {
+    slopes = {row.group: (row.cells[2], row.group_better) for row in rows}
+    assert slopes == {
         "scouts corrupted, PTA_C": ("−45.14", 1),
         "foragers corrupted, RMSE_columns": ("0.0104", -1),
     }
     table = paper.table_4(*study)
     assert table.better == (1, 1, -1)
     assert cells(table) == {
-        ("", "greedy · graph"): ("0.750 ± 0.000", "−40.00 (−40.00 to −40.00)", "–"),
-        ("", "greedy · hulls"): ("0.750 ± 0.000", "−60.00 (−60.00 to −60.00)", "–"),
+        ("", "greedy · graph"): (told("csr", 0.75), "−40.00 (−40.00 to −40.00)", "–"),
+        ("", "greedy · hulls"): (told("csr", 0.75), "−60.00 (−60.00 to −60.00)", "–"),
         ("", "Greedy, paper (its own map)"): ("0.899", "−45.14", "0.0104"),
-        ("", "auction · graph"): ("0.750 ± 0.000", "−8.00 (−8.00 to −8.00)", "–"),
-        ("", "auction · hulls"): ("0.750 ± 0.000", "20.00 (20.00 to 20.00)", "–"),
+        ("", "auction · graph"): (told("csr", 0.75), "−8.00 (−8.00 to −8.00)", "–"),
+        ("", "auction · hulls"): (told("csr", 0.75), "20.00 (20.00 to 20.00)", "–"),
     }
 
 
