@@ -100,11 +100,11 @@ def checked(made: object, name: str) -> type[Metric]:
         raise UserError(f"metric {name}: better = {made.better!r}: give 1, -1 or 0")
     if type(made.digits) is not int or not 0 <= made.digits <= 12:
         raise UserError(f"metric {name}: digits = {made.digits!r}: give 0 to 12")
-    for name, words in (("least", "a number"), ("most", 'a number or "horizon"')):
-        end = getattr(made, name)
-        fits = end is None or (name, end) == ("most", "horizon")
+    for attribute, words in (("least", "a number"), ("most", 'a number or "horizon"')):
+        end = getattr(made, attribute)
+        fits = end is None or (attribute, end) == ("most", "horizon")
         if not fits and (type(end) not in (int, float) or not math.isfinite(end)):
-            raise UserError(f"metric {made.key}: {name} = {end!r}: give {words}, or leave it out")
+            raise UserError(f"metric {name}: {attribute} = {end!r}: give {words}, or leave it out")
     for method in ("value", "series", "at"):
         if not callable(getattr(made, method)):
             raise UserError(f"metric {name}: {method} is no method; define it, or leave it out")

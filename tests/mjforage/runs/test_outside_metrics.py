@@ -242,3 +242,14 @@ def test_a_formula_that_cannot_be_called_is_named_before_a_run(method: str) -> N
     made = type("Odd", (Metric,), {"key": "odd", "label": "odd", **formula})
     with pytest.raises(UserError, match=f"^metric own:Odd: {method} is no method; define it"):
         checked(made, "own:Odd")
+
+
+@pytest.mark.parametrize(
+    ("attribute", "end"),
+    [("least", "horizon"), ("least", float("inf")), ("most", "T"), ("most", True)],
+)
+def test_an_end_that_is_no_number_is_named_before_a_run(attribute: str, end: object) -> None:
+    formula = {"value": lambda self, batch: batch.log.length, attribute: end}
+    made = type("Odd", (Metric,), {"key": "odd", "label": "odd", **formula})
+    with pytest.raises(UserError, match=f"^metric own:Odd: {attribute} = {end!r}: give a number"):
+        checked(made, "own:Odd")
