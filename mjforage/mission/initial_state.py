@@ -94,12 +94,12 @@ def item_noise(key: np.uint64, item: int, step: int) -> tuple[float, float]:
 
 
 @kernel
-def _count_items(keys: UInt64Array, mean: float, std: float) -> Int32Array:
-    """Number of items of each episode: a rounded normal draw, at least 1."""
+def _count_items(keys: UInt64Array, mean: float, std: float, otherwise: int) -> Int32Array:
+    """Number of items of each episode: a rounded normal draw, `otherwise` if not positive."""
     counts = np.empty(keys.size, np.int32)
     for e in range(keys.size):
-        count = np.round(mean + std * normal(stream_key(keys[e], Stream.ITEMS), 0, 0))
-        counts[e] = max(1, int(count))
+        count = int(np.round(mean + std * normal(stream_key(keys[e], Stream.ITEMS), 0, 0)))
+        counts[e] = count if count > 0 else otherwise
     return counts
 
 
@@ -129,7 +129,7 @@ def _scatter_items(
 def _place_items(
     graph: NavigationGraph, items: Items, walls: int, keys: UInt64Array
 ) -> tuple[Int32Array, NDArray[np.float64], Int32Array]:
-    counts = _count_items(keys, items.mean, items.std)
+    counts = _count_items(keys, items.mean, items.std, items.otherwise)
     padded = (keys.size, int(counts.max(initial=1)))
     item_rc = np.zeros((*padded, 2))
     item_node = np.full(padded, -1, np.int32)
@@ -139,13 +139,14 @@ def _place_items(
 
 
 @kernel
-def _drifts(keys: UInt64Array, reach: float) -> NDArray[np.float64]:
-    """Constant drift (episode, 2) of each episode, uniform in +- `reach` [node/step]."""
-    drift = np.empty((keys.size, 2))
+def _drifts(keys: UInt64Array, least: FloatArray, largest: FloatArray) -> FloatArray:
+    """Constant drift (episode, 2) of each episode, uniform between (2,) bounds [node/step]."""
+    drift, half, middle = np.empty((keys.size, 2)), (largest - least) / 2, (largest + least) / 2
     for e in range(keys.size):
         key = stream_key(keys[e], Stream.WEATHER)
         for axis in range(2):
-            drift[e, axis] = reach * (2.0 * uniform(key, axis, 0) - 1.0)
+            reach, centre = half[axis], middle[axis]
+            drift[e, axis] = centre + reach * (2.0 * uniform(key, axis, 0) - 1.0)
     return drift
 
 
@@ -169,7 +170,9 @@ def toward_of(from_deg: float | None) -> float:
 def _constant_drift(keys: UInt64Array, weather: Weather, node_mps: float) -> FloatArray:
     """(episode, 2) constant drift in (row, column) [node/step]: the wind's, or the paper's."""
     if weather.wind_speed_mps is None:
-        return _drifts(keys, weather.drift_node_per_step)
+        reach = weather.drift_node_per_step
+        ranges = weather.drift_ranges_node_per_step or ((-reach, reach), (-reach, reach))
+        return _drifts(keys, *np.array(ranges, np.float64).T.copy())
     toward = toward_of(weather.wind_from_deg)
     wind = steady_vectors(keys, Stream.WEATHER, weather.wind_speed_mps, toward)
     return LEEWAY / node_mps * np.stack((-wind[:, 1], wind[:, 0]), axis=1)

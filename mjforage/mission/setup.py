@@ -134,7 +134,12 @@ class Setup:
         reach = reach_m(link, self.fleet.antenna_m) / scenario.map.pitch_m
         if link.latency >= scenario.horizon:
             reach = 0.0
-        return Task(self.graph, self.fleet, moves, *about, reach_node=reach, latency=link.latency)
+        return Task(
+            *(self.graph, self.fleet, moves, *about),
+            reach_node=reach,
+            latency=link.latency,
+            across_land=rules.sight == "disc",
+        )
 
     @cached_property
     def start_nodes(self) -> Int32Array:

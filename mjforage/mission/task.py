@@ -69,6 +69,7 @@ class Task:
         and do so while all drift; None where a forager collects all in its node before the drift
     reach_node : largest distance at which agents reach each other in open water; 0: none
     latency : decisions until a scan that was sent is received
+    across_land : True if agents see across land
     """
 
     graph: NavigationGraph
@@ -80,6 +81,7 @@ class Task:
     pickup: Pickup | None = None
     reach_node: float = np.inf
     latency: int = 0
+    across_land: bool = False
 
     @property
     def forgetting(self) -> float:
@@ -108,7 +110,8 @@ class Task:
     @cached_property
     def views(self) -> NodeLists:
         """Nodes seen from every node, for each of `view_radii`."""
-        return self.graph.views(self.view_radii)
+        lists = self.graph.discs if self.across_land else self.graph.views
+        return lists(self.view_radii)
 
     @cached_property
     def arrays(self) -> TaskArrays:

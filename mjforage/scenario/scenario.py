@@ -57,6 +57,8 @@ class Rules:
     capture: Literal["certain", "calibrated"] = "certain"
     """Collection where items follow the rule: `certain`: foragers collect all items in their node;
     `calibrated`: with the capture probability of their vessels in trials (`mjforage calibrate`)."""
+    sight: Literal["line", "disc"] = "line"
+    """`line`: land on the straight line hides a node; `disc`: agents see across land."""
     order: tuple[str, ...] = ()
     """Teams in order of choice, in each the highest number first; empty: those that collect, then
     the others, each by name."""
@@ -74,6 +76,12 @@ class Items:
     """Variance of the items' places around their hotspot, per axis."""
     hotspots: Annotated[int, Within(1, 100)] = 1
     """Number of clusters; items are assigned to them in turn."""
+    otherwise: Annotated[int, Within(1, 20_000, "items")] = 1
+    """Number of items where the drawn number, rounded, is not positive."""
+
+
+_Drift = Annotated[float, Within(-10, 10, "node/step")]
+_Drifts = tuple[_Drift, _Drift]
 
 
 @dataclass(frozen=True)
@@ -95,6 +103,9 @@ class Weather:
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
     """Constant drift of an episode's items, uniform in +- this per axis; not with
     `wind_speed_mps`."""
+    drift_ranges_node_per_step: tuple[_Drifts, _Drifts] | None = None
+    """Ranges [least, largest] of the drift along the rows and the columns, in the place of +- that
+    key; in the graph world alone."""
     noise_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.09
     """Independent drift per item and step, uniform in +- this per axis."""
     gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0

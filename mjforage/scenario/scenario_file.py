@@ -190,6 +190,12 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             f"{where}: weather.wind_from_deg = {origin:g} without a wind; give "
             "weather.wind_speed_mps too"
         )
+    for least, largest in scenario.weather.drift_ranges_node_per_step or ():
+        if least > largest:
+            raise UserError(
+                f"{where}: weather.drift_ranges_node_per_step: [{least:g}, {largest:g}]; give the "
+                "least drift first"
+            )
     unused = [f.name for f in dataclasses.fields(Link)]
     unused = [k for k in unused[1:] if getattr(scenario.link, k) != getattr(Link(), k)]
     if scenario.link.model == "ideal" and unused:

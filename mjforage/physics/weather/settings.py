@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
+from mjforage.base.errors import UserError
 from mjforage.base.fields import Within
 from mjforage.mission.initial_state import toward_of
 from mjforage.scenario.bearings import Bearing
@@ -71,8 +72,13 @@ class WeatherSettings:
         Raises
         ------
         UserError
-            If drift or noise come out faster than 5 m/s.
+            If drift or noise come out faster than 5 m/s, or the drift has ranges of its own.
         """
+        if weather.drift_ranges_node_per_step is not None:
+            raise UserError(
+                "weather.drift_ranges_node_per_step: hulls have no such wind; use the graph world, "
+                "or give weather.drift_node_per_step alone"
+            )
         mps, speed = pitch_m / period_s, weather.wind_speed_mps
         toward = math.degrees(toward_of(weather.wind_from_deg))
         return cls(

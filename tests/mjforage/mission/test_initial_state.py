@@ -166,3 +166,24 @@ def test_a_tie_of_far_nodes_goes_to_the_lowest_whichever_ring_it_is_in() -> None
     navigable[0, 5] = navigable[8, 9] = True  # both five nodes from (5, 5): rings 5 and 4
     water = navigation_graph(navigable, 1.0, False).water
     assert into_water(water, 0, 5.0, 5.0)[2] == 0
+
+
+def test_a_drift_with_ranges_is_uniform_in_them_axis_by_axis() -> None:
+    """And of the same draws as without: equal ranges of +-0.1 give the same drift."""
+    ranges = Weather(drift_ranges_node_per_step=((0.01, 0.1), (-0.1, 0.1)))
+    starts = np.arange(4, dtype=np.int32)
+    plain, drawn = (
+        create_initial_state(OPEN, Items(), weather, 0.4, starts, 4, KEYS).drift_rc
+        for weather in (Weather(), ranges)
+    )
+    assert stats.kstest(drawn[:, 0], "uniform", (0.01, 0.09)).pvalue > 0.01
+    assert drawn[:, 1].tobytes() == plain[:, 1].tobytes()
+    np.testing.assert_allclose(drawn[:, 0], 0.055 + 0.45 * plain[:, 0], rtol=0, atol=1e-15)
+
+
+def test_a_number_of_items_that_is_not_positive_becomes_the_given_one() -> None:
+    common = OPEN, Items(mean=1.0, std=2.0), Weather(), 0.4, NOBODY, 1, KEYS[:300]
+    plain = create_initial_state(*common).n_items
+    other = create_initial_state(OPEN, Items(1.0, 2.0, otherwise=10), *common[2:]).n_items
+    changed = np.flatnonzero(plain != other)
+    assert 50 < changed.size < 150 and (plain[changed] == 1).all() and (other[changed] == 10).all()

@@ -127,3 +127,14 @@ def test_items_on_land_are_put_back_as_the_scenario_says() -> None:
         assert off.max() == pytest.approx(0.49)
         corners = np.isclose(off, 0.49).all(axis=1).mean()
         assert (corners > 0.5) if both else (corners == 0.0)
+
+
+def test_sight_across_land_is_the_whole_disc() -> None:
+    """(1, 2) is land: from (1, 1) it hides (1, 3), two nodes away; the disc has all within 2.5."""
+    line, disc = by_hand(), by_hand(rules=Rules(sight="disc"))
+    at, behind = (line.graph.node_of_cell[cell] for cell in ((1, 1), (1, 3)))
+    scouts = line.task.radius_number[0]
+    seen = [set(each.task.views.of(at, scouts).tolist()) for each in (line, disc)]
+    rows, cols = line.graph.rows, line.graph.cols
+    within = np.flatnonzero((rows - 1) ** 2 + (cols - 1) ** 2 <= 2.5**2)
+    assert behind not in seen[0] and seen[0] < seen[1] == set(within.tolist())

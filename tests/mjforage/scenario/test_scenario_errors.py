@@ -39,6 +39,10 @@ ROLE = "{count=1, moves=1, radius=1, collects=true}"
         ("team.scouts.count=-1", "team.scouts.count = -1 should be "),
         ("weather.drift_node_per_step=inf", "weather.drift_node_per_step = inf should be "),
         (
+            "weather.drift_ranges_node_per_step=[[0.1,0.01],[-0.1,0.1]]",
+            "weather.drift_ranges_node_per_step: [0.1, 0.01]; give the least drift first",
+        ),
+        (
             "weather.wind_from_deg=90",
             "weather.wind_from_deg = 90 without a wind; give weather.wind_speed_mps too",
         ),

@@ -42,3 +42,9 @@ def test_a_wind_comes_from_its_bearing_and_takes_the_drifts_place() -> None:
         weather = Weather(wind_speed_mps=5.0, wind_from_deg=bearing)
         settings = WeatherSettings.of_scenario(weather, 4.0, 10.0)
         assert settings.wind_toward_deg == pytest.approx(toward, abs=1e-12)
+
+
+def test_ranges_of_the_drift_are_of_the_graph_world_alone() -> None:
+    weather = Weather(drift_ranges_node_per_step=((0.01, 0.1), (-0.1, 0.1)))
+    with pytest.raises(UserError, match="drift_ranges_node_per_step: hulls have no such wind"):
+        WeatherSettings.of_scenario(weather, 4.0, 10.0)
