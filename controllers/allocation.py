@@ -12,7 +12,13 @@ LEAD = 0.5  # lag that is left of the thrusters' own
 
 @kernel
 def allocate(
-    p: ModelRecord, surge: float, moment: float, speed: float, rate: float
+    p: ModelRecord,
+    surge: float,
+    moment: float,
+    speed: float,
+    rate: float,
+    port_loss: float = 0.0,
+    starboard_loss: float = 0.0,
 ) -> tuple[float, float]:
     """Thrust of port and starboard [N] for a surge force [N] and a moment [N m].
 
@@ -22,12 +28,14 @@ def allocate(
     Parameters
     ----------
     speed, rate : ahead through the water [m/s], of turn [rad/s]
+    port_loss, starboard_loss : share of its thrust that each has lost
     """
     port, starboard = speed - p.lever_m * rate, speed + p.lever_m * rate
-    low_port = thrust_under_way(p.thrust_low, port, p.disc_kgpm)
-    high_port = thrust_under_way(p.thrust_high, port, p.disc_kgpm)
-    low_starboard = thrust_under_way(p.thrust_low, starboard, p.disc_kgpm)
-    high_starboard = thrust_under_way(p.thrust_high, starboard, p.disc_kgpm)
+    left, right = 1.0 - port_loss, 1.0 - starboard_loss
+    low_port = left * thrust_under_way(p.thrust_low, port, p.disc_kgpm)
+    high_port = left * thrust_under_way(p.thrust_high, port, p.disc_kgpm)
+    low_starboard = right * thrust_under_way(p.thrust_low, starboard, p.disc_kgpm)
+    high_starboard = right * thrust_under_way(p.thrust_high, starboard, p.disc_kgpm)
     difference = clipped(moment / p.lever_m, low_starboard - high_port, high_starboard - low_port)
     low = 2.0 * max(low_port + 0.5 * difference, low_starboard - 0.5 * difference)
     high = 2.0 * min(high_port + 0.5 * difference, high_starboard - 0.5 * difference)

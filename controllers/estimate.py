@@ -47,7 +47,8 @@ def learn_drift(s: VesselState, p: ModelRecord, step_s: float) -> None:
         s.sway = aside - c * s.drift_y + t * s.drift_x
         return
     beside = p.lever_m * s.rate
-    force = thrust_of(p, s.port, s.surge - beside) + thrust_of(p, s.starboard, s.surge + beside)
+    force = thrust_of(p, s.port, s.surge - beside) * (1.0 - s.port_loss)
+    force += thrust_of(p, s.starboard, s.surge + beside) * (1.0 - s.starboard_loss)
     s.surge = surge_after(p, s.surge, force, step_s)
     s.sway = sway_after(p, s.sway, s.surge, s.rate, step_s)
     share = step_s / (DRIFT_S + step_s)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.controllers.chart import Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
+from mjforage.controllers.effectiveness import LAME_LOSS, notice_losses, weaken_fleet
 from mjforage.controllers.estimate import estimate
 from mjforage.controllers.getting_off import note_held
 from mjforage.controllers.navigation import Navigator, SensorErrors
@@ -31,11 +32,13 @@ class FleetArrays(NamedTuple):
 
     state: FleetArray  # (episode, vessel)
     models: ModelArray  # (vessel,)
+    weak: ModelArray  # (vessel,) the same, as weak as the vessels of an episode are
     land: LandArray  # of a `Chart`
     pitch: float  # [m]
     ticks: NDArray[np.int64]  # (episode,) since the decision
     paths: FloatArray  # (vessel + 1, SAMPLES, 4), see `Traffic`
     met: FloatArray  # (vessel, vessel), see `Traffic`
+    notices: bool  # whether lost thrust is looked for
 
 
 @kernel
@@ -50,6 +53,9 @@ def _begin(fleet: FleetArray, models: ModelArray, room: float, spare: FloatArray
 def _steer_fleet(fleets: FleetArrays, e: int, step_s: float, commands: FloatArray) -> None:
     """One tick of episode `e` under way: change modes, plan at times, command every vessel."""
     fleet, models, room = fleets.state[e], fleets.models, ROOM * fleets.pitch
+    if fleets.notices:
+        weaken_fleet(fleet, models, fleets.weak)
+        models = fleets.weak
     if fleet[0].mode == START:
         fleets.ticks[e] = 0
         _begin(fleet, models, room, fleets.paths[models.shape[0]])
@@ -86,6 +92,8 @@ def _command(
         for v in range(models.shape[0]):
             estimate(state[e, v], models[v], pose[e, v], velocity[e, v], step_s)
             state[e, v].clock += step_s
+            if fleets.notices:
+                notice_losses(state[e, v], models[v], step_s)
         if state[e, 0].mode != IDLE:
             _steer_fleet(fleets, e, step_s, commands)
             continue
@@ -115,6 +123,8 @@ class Pilot:
         episodes: int,
         control_s: float = 0.1,
         errors: SensorErrors | None = None,
+        *,
+        notices: bool = False,
     ) -> None:
         """Take the models.
 
@@ -125,17 +135,20 @@ class Pilot:
         episodes : size of the batch
         control_s : time between two calls of `command` [s]
         errors : of the sensors, for a filter; None for dead reckoning drawn to the fixes
+        notices : whether thrust that is lost is looked for and steered with
         """
         count = len(models)
         self._step_s = float(control_s)
         self._fleets = FleetArrays(
             state=np.zeros((episodes, count), STATE),
             models=np.array([packed(model) for model in models], MODEL),
+            weak=np.zeros(count, MODEL),
             land=np.zeros((0, 0), np.bool_) if chart is None else chart.land,
             pitch=OPEN_PITCH_M if chart is None else float(chart.pitch_m),
             ticks=np.zeros(episodes, np.int64),
             paths=np.zeros((count + 1, SAMPLES, 4)),
             met=np.zeros((count, count)),
+            notices=notices,
         )
         self._navigator = None
         if errors is not None:
@@ -240,6 +253,15 @@ class Pilot:
             np.ascontiguousarray(velocity, np.float64),
         )
         return self._commands
+
+    @property
+    def lame(self) -> NDArray[np.bool_]:
+        """(episode, vessel) whether one of its thrusters is nearly dead, as noticed."""
+        state = self._fleets.state
+        lame: NDArray[np.bool_] = (
+            np.maximum(state["port_loss"], state["starboard_loss"]) > LAME_LOSS
+        )
+        return lame
 
     @property
     def giving_way(self) -> NDArray[np.bool_]:

@@ -111,6 +111,28 @@ class VesselState:
     off_heading: float
     off_way: float
     off_s: float
+    # Share of its thrust that each thruster has lost, as noticed, 0 below a threshold, below 1.
+    port_loss: float
+    starboard_loss: float
+    # What the filter of `effectiveness` keeps: estimated losses and bias, and their covariance;
+    # smooth rate of turn, speed ahead, unexplained moment and force, and thrusts; time since a
+    # contact.
+    port_off: float
+    starboard_off: float
+    bias: float
+    port_var: float
+    starboard_var: float
+    bias_var: float
+    cross_var: float
+    port_bias_var: float
+    starboard_bias_var: float
+    slow_rate: float
+    slow_surge: float
+    slow_moment: float
+    slow_force: float
+    slow_port: float
+    slow_starboard: float
+    free_s: float
 
 
 STATE = record_type(VesselState.__annotations__)

@@ -140,6 +140,7 @@ def commands(
 ) -> tuple[float, float]:
     """Commands for thrusts [N], with a lead on the thrusters' lag; keeps the state of the lag."""
     speed, beside = speed_through_water(s), p.lever_m * s.rate
+    port, starboard = port / (1.0 - s.port_loss), starboard / (1.0 - s.starboard_loss)
     left = led_command(p, s.port, command_for(p, port, speed - beside), step_s)
     right = led_command(p, s.starboard, command_for(p, starboard, speed + beside), step_s)
     s.port = lagged(p, s.port, left, step_s)
@@ -259,7 +260,8 @@ def push(
         given = braking_moment(s, p, 1.0, limited, now, given)
     most = most_difference(s, p, limited) * p.lever_m
     given = clipped(given, -most, most)
-    port, starboard = allocate(p, limited, given, speed_through_water(s), s.rate)
+    about = speed_through_water(s), s.rate, s.port_loss, s.starboard_loss
+    port, starboard = allocate(p, limited, given, *about)
     heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
     return port, starboard
 

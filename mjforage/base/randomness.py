@@ -75,6 +75,8 @@ class Stream(IntEnum):
     """Noise of measured velocities, keyed by vessel, axis and control tick."""
     COMPASS = 22
     """Constant error of the compass, keyed by vessel."""
+    FAULTS = 24
+    """Times at which thrusters fail, keyed by thruster."""
     VARIANT = 32
     """Variant of its scenario that an episode of training has."""
     HARBOUR = 33

@@ -35,6 +35,7 @@ class Transition(NamedTuple):
     impact: NDArray[np.float64]  # (episode, agent) fastest approach to a touch in the period [m/s]
     work: NDArray[np.float64]  # (episode, agent) electrical energy drawn so far [J]; 0 in graphs
     pickup: NDArray[np.int8]  # (episode, agent) how picking up ended in the period, see `PICKUPS`
+    disabled: NDArray[np.bool_]  # (episode, agent) can no longer carry out moves, as it knows
 
 
 def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transition:
@@ -61,6 +62,7 @@ def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transiti
         impact=np.zeros(agents),
         work=np.zeros(agents),
         pickup=np.zeros(agents, np.int8),
+        disabled=np.zeros(agents, np.bool_),
     )
 
 

@@ -13,7 +13,7 @@ from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.moves import Moves
 
 _STATE_TYPES = (
-    *("i4", "f8", "f8", "f8", "i1", "f8", "i4", "i2", "f8", "f8", "i4", "f8", "f8", "i1"),
+    *("i4", "f8", "f8", "f8", "i1", "f8", "i4", "i2", "f8", "f8", "i4", "f8", "f8", "i1", "?"),
 )  # of the fields of `Transition`
 _TRACK_TYPES = (
     *("i4", "f4", "f4", "f4", "f4", "f4", "i4", "f4", "f4", "i1", "i1", "i1", "i4"),

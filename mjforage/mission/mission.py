@@ -233,10 +233,13 @@ class Mission:
         """(episode, agent) distance that can still be travelled [node].
 
         A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
+        One that can no longer carry out moves has no range left.
         """
-        if self._endless:
+        disabled = self._state.disabled
+        if self._endless and not disabled.any():
             return self._full_energy
-        return np.maximum(self._full_energy - self._state.energy, 0.0)
+        left = np.maximum(self._full_energy - self._state.energy, 0.0)
+        return np.where(disabled, 0.0, left)
 
     @property
     def room_left(self) -> NDArray[np.int64]:

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 
 from mjforage.base.fields import Above, Within, source
 from mjforage.scenario.bearings import Bearing
+from mjforage.scenario.faults import Faults
 from mjforage.scenario.prior import Prior
 from mjforage.scenario.roles import Role
 
@@ -361,4 +362,5 @@ class Scenario:
     sensors: Sensors = Sensors()
     link: Link = Link()
     corruption: CorruptionChoice = CorruptionChoice()
+    faults: Faults = field(default_factory=Faults)
     prior: Prior = field(default_factory=Prior)

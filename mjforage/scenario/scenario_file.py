@@ -16,6 +16,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import assigned
 from mjforage.base.toml_files import read_toml
 from mjforage.scenario.assets import named_file, shipped_files
+from mjforage.scenario.faults import check_faults
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
 from mjforage.scenario.place import is_place
@@ -252,6 +253,7 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         if name not in counts:
             teams = ", ".join(counts)
             raise UserError(f"{where}: physics.vessels.{name}: no such team; known: {teams}")
+    check_faults(scenario.faults, counts, where)
     return scenario
 
 

@@ -163,15 +163,17 @@ def test_the_track_tells_what_the_compass_is_off() -> None:
     assert left.std() < 1.5  # of 5
 
 
-def test_a_latency_is_made_up_by_the_model() -> None:
+@pytest.mark.parametrize("lost", [0.0, 0.2])
+def test_a_latency_is_made_up_by_the_model(lost: float) -> None:
     """A vessel at rest 0.4 s ago is where its model has it under the thrusts since, in order."""
     errors = SensorErrors(0.0, 0.0, 60.0, 0.0, 0.0, 0.0, 4, T)
     state, active = np.zeros((1, 1), STATE), np.ones(1, np.bool_)
     navigator = Navigator(errors, MODELS, state)
+    state["port_loss"] = state["starboard_loss"] = lost
     at, still, fix = np.zeros((1, 1, 3)), np.zeros((1, 1, 3)), np.ones((1, 1), np.bool_)
     forces = (9.0, 0.0, 0.0, 40.0, 20.0)
     for force in (0.0, 0.0, *forces):
-        state["port"] = state["starboard"] = command_for(SCOUT, 0.5 * force, 0.0)
+        state["port"] = state["starboard"] = command_for(SCOUT, 0.5 * force / (1.0 - lost), 0.0)
         told = navigator.update(active, at, still, fix)
     p, x, u = SCOUT, 0.0, 0.0
     for force in forces[1:]:
@@ -181,7 +183,7 @@ def test_a_latency_is_made_up_by_the_model() -> None:
         x += T * u
     assert told.velocity[0, 0] == pytest.approx([u, 0.0, 0.0])
     assert told.pose[0, 0] == pytest.approx([x, 0.0, 0.0])
-    state["port"] = command_for(SCOUT, -10.0, 0.0)  # turning to port on the spot
+    state["port"] = command_for(SCOUT, -10.0 / (1.0 - lost), 0.0)  # turning to port on the spot
     for _ in range(4):
         told = navigator.update(active, at, still, fix)
     assert told.pose[0, 0, 2] > 0.05 and told.velocity[0, 0, 2] > 0.2

@@ -22,11 +22,13 @@ from mjforage.physics.callback.model_layout import (
     ITEM_MASS,
     ITEM_WATER,
     LOAD,
+    LOSS,
     N_CLASSES,
     N_ITEMS,
     N_VESSELS,
     SCHEME,
     VESSEL_DOFS,
+    VESSEL_INPUTS,
     VESSEL_WIDTH,
     WATER,
     WIND,
@@ -115,13 +117,15 @@ def _instant(
 def _vessel(state: MujocoState, v: int, p: VesselParameters, averaged: bool) -> None:
     """Force and rows of M of vessel `v`."""
     userdata, mass, force, row = state.userdata, state.mass, state.force, state.row
-    i, at = v * VESSEL_DOFS, v * INPUT_WIDTH
+    i, at = v * VESSEL_DOFS, v * VESSEL_INPUTS
     around = vessel_motion.Surroundings(
         userdata[at + WIND],
         userdata[at + WIND + 1],
         userdata[at + WATER],
         userdata[at + WATER + 1],
         userdata[at + LOAD],
+        1.0 - userdata[at + LOSS],
+        1.0 - userdata[at + LOSS + 1],
     )
     body = vessel_motion.inertia(p, around.load)
     if averaged:
@@ -188,4 +192,4 @@ def apply(state: MujocoState) -> None:
         _vessel(state, v, parameters[v], averaged)
     if items:
         classes = numeric[table : table + int(numeric[N_CLASSES]) * CLASS_WIDTH]
-        _items(state, classes, vessels * VESSEL_DOFS, vessels * INPUT_WIDTH, averaged)
+        _items(state, classes, vessels * VESSEL_DOFS, vessels * VESSEL_INPUTS, averaged)

@@ -5,7 +5,7 @@ import math
 import mujoco
 import numpy as np
 
-from mjforage.physics.callback.model_layout import HEADER_NAME, INSTANT, MAGIC, WATER
+from mjforage.physics.callback.model_layout import HEADER_NAME, INSTANT, MAGIC, VESSEL_INPUTS, WATER
 from mjforage.physics.hydrodynamics.parameters import VESSEL
 
 MASS, ADDED_SURGE, ADDED_SWAY, ADDED_YAW, INERTIA = 100.0, 50.0, 200.0, 5.0, 20.0
@@ -13,7 +13,7 @@ DRAG, TOLERANCE = 10.0, 1e-9
 
 _TOY = f"""
 <mujoco>
-  <option gravity="0 0 0" timestep="0.01"/><size nuserdata="5"/>
+  <option gravity="0 0 0" timestep="0.01"/><size nuserdata="{VESSEL_INPUTS}"/>
   <custom>
     <numeric name="{HEADER_NAME}" data="{MAGIC!r} 1 0 0 {INSTANT}"/>
     <numeric name="vessel" data="{{parameters}}"/>

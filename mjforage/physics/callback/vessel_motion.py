@@ -25,13 +25,15 @@ from mjforage.physics.hydrodynamics.wind_load import wind_force, wind_slope
 
 
 class Surroundings(NamedTuple):
-    """Wind, water and load of a vessel, constant over a step."""
+    """Wind, water, load and faults of a vessel, constant over a step."""
 
     wind_x: float  # air over ground [m/s]
     wind_y: float
     water_x: float  # water over ground [m/s]
     water_y: float
     load: float  # items aboard
+    port_left: float  # share of its thrust that a thruster has left
+    starboard_left: float
 
 
 class Inertia(NamedTuple):
@@ -79,7 +81,8 @@ def loads(
     dx, dy = around.wind_x - vx, around.wind_y - vy
     hull = hull_force(p, u_r, v_r, r)
     wind = wind_force(p, c * dx + s * dy, c * dy - s * dx)
-    force, moment = force_of_sides(p, port, starboard, u_r, r)
+    left, right = around.port_left * port, around.starboard_left * starboard
+    force, moment = force_of_sides(p, left, right, u_r, r)
     surge = hull[0] + wind[0] + force + load_drag(p, around.load, u_r)
     return surge, hull[1] + wind[1], hull[2] + wind[2] + moment
 

@@ -34,6 +34,7 @@ from mjforage.physics.dynamics.collecting import (
     mouths_of,
     seek,
 )
+from mjforage.physics.dynamics.faults import failures
 from mjforage.physics.dynamics.fleet_scene import (
     fleet_scene,
     fleet_vessels,
@@ -144,7 +145,10 @@ class MujocoDynamics:
         shape = initial.agent_node.shape
         self._positioning = create_positioning(self._scenario.sensors, shape, CONTROL_S)
         errors = self._positioning.errors
-        self._pilot = Pilot(self._models, self._chart, episodes, CONTROL_S, errors)
+        faults = self._scenario.faults
+        notices = faults.any and faults.noticed
+        about = self._models, self._chart, episodes, CONTROL_S, errors
+        self._pilot = Pilot(*about, notices=notices)
         self._period = PeriodRecord.of(initial.agent_node.shape)
         self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
         self._tick = np.zeros(episodes, np.int64)
@@ -201,6 +205,7 @@ class MujocoDynamics:
     def _begin(self, keys: UInt64Array) -> None:
         """Take the keys of the batch, with the weather that they decide."""
         self._keys, self._field = keys, Field.create(self._settings, keys, self._graph)
+        self._failures = failures(self._scenario.faults, self._fleet, keys)
         cameras = self._camera, self._grid, keys, self._fleet.collects, self._tracks
         self._look_out = BoundKernel(look_out, *cameras)
 
@@ -275,6 +280,8 @@ class MujocoDynamics:
         vessels = self._motion.pose[..., :2]
         simulation.vessel_wind[:] = self._field.wind(now, vessels)
         simulation.vessel_water[:] = self._field.current(now, vessels)
+        if self._failures is not None:
+            simulation.thrust_loss[:] = self._failures.losses(now)
         if self._bodies:
             items = simulation.item_xy
             simulation.item_wind[:] = self._field.wind(now, items)
@@ -373,6 +380,7 @@ class MujocoDynamics:
         state.collisions[active] = record.collisions[active]
         state.impact[active] = record.impact_mps[active]
         state.work[active] = record.work_j[active]
+        state.disabled[active] = self._pilot.lame[active]
         judge(active, moves.blocked, record, state.outcome)
         if self._rule is not None:
             self._rule.advance(active, step)

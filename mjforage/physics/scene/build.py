@@ -19,6 +19,7 @@ from mjforage.physics.callback.model_layout import (
     ITEM_DOFS,
     MAGIC,
     VESSEL_DOFS,
+    VESSEL_INPUTS,
     VESSEL_WIDTH,
 )
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
@@ -170,7 +171,7 @@ def _add_numerics(
         spec.add_numeric(name=f"{HEADER_NAME}-vessel-{i}", data=row, size=VESSEL_WIDTH)
     flat = np.array(table, np.float64).reshape(-1)
     spec.add_numeric(name=f"{HEADER_NAME}-items", data=flat, size=CLASS_WIDTH * len(classes))
-    spec.nuserdata = INPUT_WIDTH * (len(vessels) + items)
+    spec.nuserdata = VESSEL_INPUTS * len(vessels) + INPUT_WIDTH * items
 
 
 def _check_layout(model: mujoco.MjModel, vessels: int, items: int) -> None:

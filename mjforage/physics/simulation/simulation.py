@@ -14,7 +14,9 @@ from mjforage.physics.callback.model_layout import (
     HEADER,
     INPUT_WIDTH,
     LOAD,
+    LOSS,
     VESSEL_DOFS,
+    VESSEL_INPUTS,
     VESSEL_WIDTH,
     WATER,
     WIND,
@@ -45,8 +47,8 @@ POOL_SPARE = 2  # bodies never active: the last numbers of MuJoCo's sums, added 
 STRIDE = 4  # by which pools grow: a few sizes, so that their scenes are built once
 _ENGAGED = (
     *("engine", "model", "time_s", "commands", "thruster_state", "vessel_wind", "vessel_water"),
-    *("load", "_pose", "_velocity", "_bodies", "_quays", "_activate", "_sync_items", "_drift"),
-    "_separate",
+    *("load", "thrust_loss", "_pose", "_velocity", "_bodies", "_quays"),
+    *("_activate", "_sync_items", "_drift", "_separate"),
 )
 """Attributes that a simulation makes anew with every engine."""
 _CARRIED = ("time", "qpos", "qvel", "act", "qacc_warmstart", "ctrl", "userdata")
@@ -64,6 +66,8 @@ class Simulation:
     vessel_wind, vessel_water : (simulation, vessel, 2) velocity of air and water at each vessel,
         over ground, world axes [m/s]
     load : (simulation, vessel) items aboard
+    thrust_loss : (simulation, vessel, 2) share of its thrust that each thruster has lost, port and
+        starboard, 0 at first
     item_wind, item_water : (simulation, item, 2) the same at each item [m/s]
     item_class : (simulation, item) index into the scene's classes; -1: not on the water
     items : items of a simulation
@@ -169,7 +173,7 @@ class Simulation:
     def _bind(self, vessels: int) -> None:
         """Bind the engine's arrays: inputs, and what it steps."""
         engine, n, bodies = self.engine, self.simulations, self.scene.items
-        dofs, inputs = VESSEL_DOFS * vessels, INPUT_WIDTH * vessels
+        dofs, inputs = VESSEL_DOFS * vessels, VESSEL_INPUTS * vessels
         q, v = engine.bind("qpos"), engine.bind("qvel")
         self.time_s: Float64Array = engine.bind("time")
         self._pose = q[:, :dofs].reshape(n, vessels, 3)
@@ -177,11 +181,12 @@ class Simulation:
         self.commands: Float64Array = engine.bind("ctrl").reshape(n, vessels, 2)
         self.thruster_state: Float64Array = engine.bind("act").reshape(n, vessels, 2)
         data = engine.bind("userdata")
-        own = data[:, :inputs].reshape(n, vessels, INPUT_WIDTH)
+        own = data[:, :inputs].reshape(n, vessels, VESSEL_INPUTS)
         theirs = data[:, inputs:].reshape(n, bodies, INPUT_WIDTH)
         self.vessel_wind: Float64Array = own[..., WIND : WIND + 2]
         self.vessel_water: Float64Array = own[..., WATER : WATER + 2]
         self.load: Float64Array = own[..., LOAD]
+        self.thrust_loss: Float64Array = own[..., LOSS : LOSS + 2]
         self._bodies = Bodies(
             q[:, dofs:].reshape(n, bodies, 2),
             v[:, dofs:].reshape(n, bodies, 2),

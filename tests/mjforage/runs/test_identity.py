@@ -67,6 +67,9 @@ def test_every_key_of_a_scenario_is_of_the_run(played: Path) -> None:
         if name == "sensors.positioning":  # must be a model
             sensors = replace(setup.scenario.sensors, positioning="gnss")
             scenario = replace(setup.scenario, sensors=sensors)
+        if name == "faults.team":  # must be one of its teams
+            faults = replace(setup.scenario.faults, team="foragers")
+            scenario = replace(setup.scenario, faults=faults)
         varied = pinned(replace(setup, scenario=scenario))
         info = run_info(varied, PLAYERS, ["graph"], 2, 0)
         assert_refused(played, partial(RunFolder(played).open, info), name)
