@@ -25,7 +25,7 @@ class Faults:
     side: Literal["port", "starboard", "both"] = "port"
     """Its thruster that fails."""
     from_s: Annotated[float, Within(0, 1e9, "s")] = 0.0
-    """When it does, from the start of the episode."""
+    """Time at which it does, from the start of the episode."""
     rate_per_h: Annotated[float, Within(0, 3600, "1/h")] = 0.0
     """Rate at which every other thruster fails, once at most, at times drawn per episode."""
     left: Annotated[float, Within(0, 1)] = 0.0

@@ -1,4 +1,4 @@
-"""When thrusters fail, and what they lose: from a scenario's table `[faults]`."""
+"""Times at which thrusters fail, and their losses: from a scenario's table `[faults]`."""
 
 import math
 from dataclasses import dataclass
