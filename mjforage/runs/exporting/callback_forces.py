@@ -18,7 +18,7 @@ from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.schema import rows
 
 _BODY = ("added_", "linear_", "quadratic_", "yaw_", "lag_")
-_TABLES = ("thruster.", "crossflow.", "windage.", "load.")
+_TABLES = ("thruster.", "power.propeller_m", "power.motor_w", "crossflow.", "windage.", "load.")
 
 
 def readme(setup: Setup, recording: Recording, vessels: Sequence[Vessel]) -> str:
