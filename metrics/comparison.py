@@ -44,9 +44,9 @@ def compared(differences: Sequence[ArrayLike]) -> Family:
     """Test mean differences against 0 together: max-t over flips of signs.
 
     Westfall and Young 1993, *Resampling-Based Multiple Testing*, section 2.3. In each of `FLIPS`
-    draws all differences of an episode change their sign or none does, and the largest |t| of the
-    family is what every |t| is held against. Below p = 0.05, and only there, 0 is outside the
-    interval. Signs are functions of episode and draw.
+    draws all differences of an episode change their sign or none does, and the largest absolute t
+    of the family is what every one is held against. Below p = 0.05, and only there, 0 is outside
+    the interval. Signs are functions of episode and draw.
 
     Parameters
     ----------
