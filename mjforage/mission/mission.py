@@ -7,7 +7,6 @@ import copy
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,15 +26,15 @@ from mjforage.mission.knowledge import Knowledge, Scans, idleness, times_seen
 from mjforage.mission.ledger import Ledger
 from mjforage.mission.link import exchange_of
 from mjforage.mission.moves import Moves, Resolver, check_preferences
+from mjforage.mission.observing import Observing
 from mjforage.mission.policy import Policy, UpperBound
 from mjforage.mission.sensors.sensing import map_filter, no_shown
 from mjforage.mission.sensors.sensing_update import SensingUpdate
 from mjforage.mission.setup import Setup
-from mjforage.mission.task import DelayedScans, GroundTruth, Observation, no_delayed_scans
-from mjforage.scenario.roles import UNLIMITED
+from mjforage.mission.stores import Stores
+from mjforage.mission.task import GroundTruth, Observation
 
 _ONE = np.ones(1, np.int32)
-_KNOWN = attrgetter(*Observation._fields[3:14])  # of knowledge
 
 
 class Mission:
@@ -79,11 +78,9 @@ class Mission:
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
         self._dynamics = dynamics
         self._state_views, self._ledger_views = CachedViews[Transition](), CachedViews[Ledger]()
-        self._common_views, self._owner_views = CachedViews[Knowledge](), CachedViews[Knowledge]()
+        self._common_views = CachedViews[Knowledge]()
         self._views, self._radius_number = self.task.views, self.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
-        self._endless = bool(np.isinf(setup.fleet.energy).all())
-        self._holds = np.flatnonzero(setup.fleet.capacity < UNLIMITED)  # whose room has an end
         self._go_on = BoundKernel(goes_on, setup.scenario.horizon)
 
     def reset(self, seed: int, episodes: NDArray[np.int64]) -> None:
@@ -116,26 +113,15 @@ class Mission:
         self.active = read_only(np.ones(keys.size, np.bool_))
         self._moves: Moves | None = None
         self._ledger = Ledger.of(self._state.item_node, len(self.setup.graph))
-        self._fill_stores()
+        self._stores = Stores(self.setup.fleet, keys.size)
         sensors = self.setup.scenario.sensors
         self._shown = no_shown(self.task, keys.size, sensors.perfect)
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
         self._knowledge = Knowledge.of_starts(self._scans(), len(self.setup.graph))
         self._renew_sensing_update()
         self.exchange.reset(self.task, self._sense(), self._knowledge, self.keys)
-        self._acting = read_only(np.tile(self._agent_of_owner(), keys.size))
-        self._owner_keys = read_only(np.repeat(self.keys, self.exchange.owners))
-        self._nobody = read_only(np.full(keys.size, -1, np.int32))
-        self._no_delayed = read_only(no_delayed_scans(keys.size))
+        self._observing = Observing(self.exchange, self.keys)
         self.forecasts = Forecasts(keys.size)
-
-    def _agent_of_owner(self) -> Int32Array:
-        """(owner,) the agent that acts by what an owner knows, -1 if several do."""
-        owner_of = self.exchange.owner_of
-        alone = np.bincount(owner_of, minlength=self.exchange.owners) == 1
-        agent = np.zeros(self.exchange.owners, np.int32)
-        agent[owner_of] = np.arange(owner_of.size)
-        return np.where(alone, agent, np.int32(-1)).astype(np.int32)
 
     def _scans(self) -> Scans:
         """Scans and states of all agents now."""
@@ -219,7 +205,7 @@ class Mission:
         self._begin_step(scatter_rows(self.step, rows, other.step))
         self.keys = read_only(scatter_rows(self.keys, rows, other.keys))
         self.active = read_only(scatter_rows(self.active, rows, other.active))
-        self._owner_keys = read_only(np.repeat(self.keys, self.exchange.owners))
+        self._observing.take_keys(self.keys)
         self._renew_sensing_update()
         return initial
 
@@ -230,58 +216,28 @@ class Mission:
 
     @property
     def energy_left(self) -> NDArray[np.float64]:
-        """(episode, agent) distance that can still be travelled [node].
-
-        A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
-        One that can no longer carry out moves has no range left.
-        """
-        disabled = self._state.disabled
-        if self._endless and not disabled.any():
-            return self._full_energy
-        left = np.maximum(self._full_energy - self._state.energy, 0.0)
-        return np.where(disabled, 0.0, left)
+        """(episode, agent) distance that can still be travelled [node]."""
+        return self._stores.energy_left(self._state)
 
     @property
     def room_left(self) -> NDArray[np.int64]:
         """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
-        if not self._holds.size:
-            return self._full_room
-        room = self._full_room.copy()
-        room[:, self._holds] -= self.taken[:, self._holds]
-        return room
+        return self._stores.room_left(self._state)
 
     @property
     def taken(self) -> NDArray[np.int64]:
         """(episode, agent) items that each has taken aboard."""
         return taken_by(self._state.collected_by, self._state.agent_node.shape[1])
 
-    def _fill_stores(self) -> None:
-        """Set the energy and room of every agent at the start, for all episodes."""
-        fleet, episodes = self.setup.fleet, (self.keys.size, 1)
-        self._full_energy = read_only(np.tile(fleet.energy, episodes))
-        self._full_room = read_only(np.tile(fleet.capacity, episodes))
-
     @property
     def observation(self) -> Observation:
         """Common knowledge of the fleet before the next decision: one row per episode."""
-        return self._observed(self.knowledge, self._no_delayed, 1)
+        return self._observing.common(self.active, self._next_step, self.knowledge)
 
     @property
     def owner_observation(self) -> Observation:
         """Knowledge of the owners before the next decision: (episode x owner) rows."""
-        exchange = self.exchange
-        knowledge = self._owner_views.of(exchange.knowledge)
-        return self._observed(knowledge, exchange.delayed, exchange.owners)
-
-    def _observed(self, knowledge: Knowledge, delayed: DelayedScans, owners: int) -> Observation:
-        """Knowledge as a policy sees it, the episodes' arrays once for each owner."""
-        active, step, keys = self.active, self._next_step, self.keys
-        if owners > 1:
-            active, step = (read_only(np.repeat(each, owners)) for each in (active, step))
-            keys = self._owner_keys
-        owner = self._acting if owners > 1 else self._nobody
-        known = _KNOWN(knowledge)
-        return Observation._make((active, step, keys, *known, delayed.scans, delayed.shown, owner))
+        return self._observing.of_owners(self.active, self._next_step)
 
     @property
     def truth(self) -> GroundTruth:
