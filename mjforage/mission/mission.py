@@ -232,12 +232,12 @@ class Mission:
     @property
     def observation(self) -> Observation:
         """Common knowledge of the fleet before the next decision: one row per episode."""
-        return self._observing.common(self.active, self._next_step, self.knowledge)
+        return self._observing.common((self.active, self._next_step, self.keys), self.knowledge)
 
     @property
     def owner_observation(self) -> Observation:
         """Knowledge of the owners before the next decision: (episode x owner) rows."""
-        return self._observing.of_owners(self.active, self._next_step)
+        return self._observing.of_owners((self.active, self._next_step, self.keys))
 
     @property
     def truth(self) -> GroundTruth:

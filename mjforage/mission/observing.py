@@ -14,6 +14,9 @@ from mjforage.mission.task import DelayedScans, Observation, no_delayed_scans
 
 _KNOWN = attrgetter(*Observation._fields[3:14])  # of knowledge
 
+Episodes = tuple[NDArray[np.bool_], Int32Array, UInt64Array]
+"""(episode,) each: whether they go on, the step to be decided, their keys."""
+
 
 class Observing:
     """Observations of a batch of episodes whose scans reach the owners by an exchange."""
@@ -28,22 +31,15 @@ class Observing:
 
     def take_keys(self, keys: UInt64Array) -> None:
         """Go on with episodes (episode,) of other keys."""
-        self._keys, self._owner_keys = keys, read_only(np.repeat(keys, self._exchange.owners))
+        self._owner_keys = read_only(np.repeat(keys, self._exchange.owners))
 
-    def common(
-        self, active: NDArray[np.bool_], step: Int32Array, knowledge: Knowledge
-    ) -> Observation:
-        """Common knowledge of the fleet: one row per episode.
+    def common(self, episodes: Episodes, knowledge: Knowledge) -> Observation:
+        """Common knowledge of the fleet: one row per episode."""
+        return self._row(*episodes, knowledge, self._no_delayed, self._nobody)
 
-        Parameters
-        ----------
-        active, step : (episode,) and the step to be decided
-        """
-        return self._row(active, step, self._keys, knowledge, self._no_delayed, self._nobody)
-
-    def of_owners(self, active: NDArray[np.bool_], step: Int32Array) -> Observation:
-        """Knowledge of the owners: (episode x owner) rows, see `common`."""
-        keys, owner, owners = self._keys, self._nobody, self._exchange.owners
+    def of_owners(self, episodes: Episodes) -> Observation:
+        """Knowledge of the owners: (episode x owner) rows."""
+        (active, step, keys), owner, owners = episodes, self._nobody, self._exchange.owners
         if owners > 1:
             active, step = read_only(np.repeat(active, owners)), read_only(np.repeat(step, owners))
             keys, owner = self._owner_keys, self._acting

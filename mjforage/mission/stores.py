@@ -1,4 +1,4 @@
-"""What vessels have left: range and room aboard."""
+"""Range and room aboard that vessels have left."""
 
 import numpy as np
 from numpy.typing import NDArray
