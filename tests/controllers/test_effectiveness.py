@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.controllers import Pilot
-from mjforage.controllers.allocation import allocate
+from mjforage.controllers.allocation import allocate, command_for
 from mjforage.controllers.effectiveness import (
     LAME_LOSS,
     REST_S,
@@ -16,6 +16,7 @@ from mjforage.controllers.effectiveness import (
     notice_losses,
     weaken,
 )
+from mjforage.controllers.loops import munk_moment, surge_drag, yaw_drag
 from mjforage.controllers.vessel_model import packed
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
@@ -99,6 +100,23 @@ def test_what_a_weak_thruster_has_lost_is_found() -> None:
     assert found.losses[-1, 0, 0] == pytest.approx(0.5, abs=0.08)
 
 
+@pytest.mark.parametrize("gain", [0.0, 0.05], ids=["steady", "faster"])
+def test_a_healthy_turn_in_a_current_leaves_nothing_unexplained(gain: float) -> None:
+    """Thrusts are what the equations of motion ask for; the vessel gains so many m/s2."""
+    s, lever = blank(), P.lever_m
+    s.yaw, s.drift_x, s.drift_y, s.sway, s.rate = 0.6, 0.3, -0.2, -0.05, 0.15
+    for tick in range(100):
+        surge = 0.6 + gain * 0.1 * tick
+        s.vx = s.drift_x + surge * math.cos(s.yaw) - s.sway * math.sin(s.yaw)
+        s.vy = s.drift_y + surge * math.sin(s.yaw) + s.sway * math.cos(s.yaw)
+        both = P.mass_surge_kg * gain + surge_drag(P, surge) - P.mass_sway_kg * s.sway * s.rate
+        more = (munk_moment(s, P) - yaw_drag(P, s.rate)) / lever  # port less starboard
+        s.port = command_for(P, 0.5 * (both + more), surge - lever * s.rate)
+        s.starboard = command_for(P, 0.5 * (both - more), surge + lever * s.rate)
+        notice_losses(s, P, 0.1)
+    assert max(abs(s.port_off), abs(s.starboard_off), abs(s.bias)) < 1e-5
+
+
 def test_in_contact_the_estimates_stand_still_and_for_a_while_after() -> None:
     """A vessel at rest against a quay, port full ahead: it looks as if that thruster were dead."""
     s = blank()
@@ -156,4 +174,13 @@ def test_safe_speeds_follow_the_weaker_brake() -> None:
     weaken(s, p)
     assert p.brake_mps2 == pytest.approx(0.7 * P.brake_mps2)
     assert p.cruise_ahead_mps == pytest.approx(math.sqrt(0.7) * P.cruise_ahead_mps)
+    assert p.cruise_astern_mps == pytest.approx(math.sqrt(0.7) * P.cruise_astern_mps)
+    assert p.yaw_rate_radps == pytest.approx(math.sqrt(0.85) * P.yaw_rate_radps)
     assert p.yaw_acceleration_radps2 == pytest.approx(0.85 * P.yaw_acceleration_radps2)
+
+
+def test_a_vessel_is_lame_by_either_side() -> None:
+    pilot = Pilot([vessel_model(load_vessel("forager"))], None, 3)
+    state = pilot._fleets.state
+    state["port_loss"][:, 0], state["starboard_loss"][:, 0] = (0.7, 0.0, 0.5), (0.0, 0.7, 0.5)
+    assert pilot.lame[:, 0].tolist() == [True, True, False]

@@ -121,3 +121,13 @@ def test_the_vessel_that_failed_is_known_to_have_no_range_and_the_other_takes_ov
     assert (mission.observation.energy_left[:, 3] == 0.0).all()
     assert np.isinf(mission.observation.energy_left[:, :3]).all()
     assert (mission.taken[:, 2] > 3 * mission.taken[:, 3]).all()
+
+
+def test_who_is_lame_is_told_of_its_own_episode_alone() -> None:
+    setup = setup_of()
+    dynamics = MujocoDynamics(setup.graph, setup.fleet, setup.scenario)
+    mission = Mission(setup, dynamics)
+    mission.reset(4, np.arange(3))
+    dynamics._pilot._fleets.state["starboard_loss"][1, 2] = 0.9
+    mission.advance(np.zeros((3, 4, 9)))
+    assert np.argwhere(mission.state.disabled).tolist() == [[1, 2]]
