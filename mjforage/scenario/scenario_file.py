@@ -197,6 +197,12 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
                 f"{where}: weather.drift_ranges_node_per_step: [{least:g}, {largest:g}]; give the "
                 "least drift first"
             )
+    physics = scenario.physics
+    if physics.intake_jam_items and physics.intake_rate_per_s is None:
+        raise UserError(
+            f"{where}: physics.intake_jam_items = {physics.intake_jam_items} without a rate; give "
+            "physics.intake_rate_per_s too, or 0"
+        )
     unused = [f.name for f in dataclasses.fields(Link)]
     unused = [k for k in unused[1:] if getattr(scenario.link, k) != getattr(Link(), k)]
     if scenario.link.model == "ideal" and unused:

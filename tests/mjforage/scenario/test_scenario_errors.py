@@ -46,6 +46,10 @@ ROLE = "{count=1, moves=1, radius=1, collects=true}"
             "weather.wind_from_deg=90",
             "weather.wind_from_deg = 90 without a wind; give weather.wind_speed_mps too",
         ),
+        (
+            "physics.intake_jam_items=3",
+            "physics.intake_jam_items = 3 without a rate; give physics.intake_rate_per_s too, or 0",
+        ),
         ("items.mean=1" + "0" * 400, "0000... should be "),
         ("horizon=0x" + "f" * 9000, "horizon = a number of thousands of digits should be "),
         ("horizon=" + "9" * 9000, "horizon = '9999"),
