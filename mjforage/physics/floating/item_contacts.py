@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.mission.initial_state import LEEWAY
 from mjforage.physics.floating.drift import Afloat
 from mjforage.physics.floating.quays import Quays
 
@@ -20,7 +21,6 @@ SWEEPS = 8  # at most, in a tick
 AHEAD_M = 0.05  # gap of pairs that may come to touch in the sweeps
 TOUCH_M = 1e-3  # items that near touch: approach is stopped
 SMALL = 3e-3  # overlap [m] and approach [m/s] with which sweeps end
-LEEWAY = 0.03  # of the wind: an item's usual drift, for the order of the pairs only
 SHARE = 0.35  # of a cell's side that the reach is: two or three cells are searched for an item
 _LEAST = 1e-12
 Float64Array = NDArray[np.float64]
@@ -250,6 +250,7 @@ def separate(afloat: Afloat, quays: Quays, shift_s: float, ids: Int64Array) -> N
             mass[n], state[n, 2], state[n, 3] = kinds[int(kind[e, k]), 0], v[e, k, 0], v[e, k, 1]
             state[n, 0] = q[e, k, 0] - shift_s * v[e, k, 0]
             state[n, 1] = q[e, k, 1] - shift_s * v[e, k, 1]
+            # the usual drift of items, for the order of the pairs only
             to_x += LEEWAY * wind[e, k, 0] + water[e, k, 0]
             to_y += LEEWAY * wind[e, k, 1] + water[e, k, 1]
         pairs, before = _from_downwind(state, pairs, to_x, to_y), state.copy()

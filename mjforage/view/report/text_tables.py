@@ -176,12 +176,8 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
     metrics = [
         describe(key) for key in (filter(defined, LINKED) if defined("handover") else TERMINAL)
     ]
-    table = RichTable(
-        title=f"mean, 95 % interval; {ROUGH}: fewer than {FEW} episodes, it covers less often",
-        title_justify="left",
-        title_style="dim",
-        box=None,
-        padding=(0, 1, 0, 0),
+    table = _titled(
+        f"mean, 95 % interval; {ROUGH}: fewer than {FEW} episodes, it covers less often"
     )
     table.add_column("policy", no_wrap=True)
     for metric in metrics:
@@ -197,15 +193,18 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
     return table
 
 
+def _titled(title: str) -> RichTable:
+    """A table without lines for the terminal, not filled in."""
+    return RichTable(
+        title=title, title_justify="left", title_style="dim", box=None, padding=(0, 1, 0, 0)
+    )
+
+
 def needed_table(needed: pl.DataFrame, difference: float) -> RichTable:
     """Rows of `Run.episodes_needed`, for the terminal."""
     metric = describe(needed["metric"][0])
-    table = RichTable(
-        title=f"episodes that find a difference of {difference:g} in {metric.plain} {metric.unit}",
-        title_justify="left",
-        title_style="dim",
-        box=None,
-        padding=(0, 1, 0, 0),
+    table = _titled(
+        f"episodes that find a difference of {difference:g} in {metric.plain} {metric.unit}"
     )
     for column in ("world", "policy", "SD", "episodes"):
         table.add_column(column, justify="right" if column in ("SD", "episodes") else "left")

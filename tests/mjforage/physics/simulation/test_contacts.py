@@ -7,6 +7,7 @@ from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.thruster import command_for
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
+from mjforage.physics.vessel_models import top_speed
 from mjforage.physics.vessels import load_vessel
 
 FORAGER = load_vessel("forager")
@@ -46,3 +47,22 @@ def test_a_quay_bears_a_turning_vessel_at_one_corner(
     force, turn = pressed(integrator, 12.0, current, moment)
     assert turn == pytest.approx(moment, rel=1e-2)
     assert force == pytest.approx(134.16 if current else 67.42, rel=1e-2)
+
+
+def test_a_current_carries_a_fast_vessel_no_deeper_into_a_quay() -> None:
+    """Full ahead and before 0.9 m/s of current, at eight phases of the time step: below 1 mm."""
+    scene = build_scene([FORAGER], navigable=BASIN, pitch_m=4.0)
+    simulation = Simulation(scene, 8)
+    speed, reach = top_speed(FORAGER) + 0.9, QUAY_Y_M - 0.5 * FORAGER.length_m
+    pose, velocity = np.zeros((8, 1, 3)), np.zeros((8, 1, 3))
+    pose[:, 0, 0], pose[:, 0, 2] = 16.0, 0.5 * np.pi
+    pose[:, 0, 1] = reach - 1.0 - speed * simulation.step_s * np.arange(8) / 8
+    velocity[..., 1] = speed
+    simulation.place_vessels(pose, velocity)
+    simulation.vessel_water[:] = 0.0, 0.9
+    simulation.commands[:] = command_for(pack(FORAGER), 1e3)
+    deepest = -np.inf
+    for _ in range(20):
+        simulation.step()
+        deepest = max(deepest, (simulation.contact_pose[..., 1] - reach).max())
+    assert -1e-3 < deepest < 1e-3
