@@ -1,6 +1,7 @@
 """Pages agree with the data of their evidence, and data come from commands."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,13 @@ from mjforage.mission.scoring import chosen_metrics, describe
 from mjforage.scenario.scenario_file import load_scenario
 from tests.documents.blocks import pages
 from tests.evidence import __main__ as making
-from tests.evidence import playing, tables
+from tests.evidence import marks, playing, tables
 from tests.evidence.cells import beside, interval, mean
-from tests.evidence.page import names, region, renewed, shown
+from tests.evidence.marks import MARK, filled
+from tests.evidence.page import names, region, renewed
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, load, pieces, save
 from tests.evidence.playing import Runs, place, plain
+from tests.evidence.shown import shown
 
 ALL = {name: load(name) for name in pieces()}
 SMALL = "mjforage evaluate comb-port --policy greedy --policy levy --episodes 2 --set horizon=12"
@@ -34,10 +37,53 @@ PIECE = Piece(
 
 
 @pytest.mark.parametrize("page", pages())
-def test_every_region_is_what_its_data_say(page: str) -> None:
+def test_regions_and_marks_are_what_their_data_say(page: str) -> None:
     text = (REPOSITORY / page).read_text("utf-8")
     assert text.count("\n<!-- evidence: ") == len(names(page))
+    assert text.count("<!-- n:") == len(MARK.findall(text)) == text.count("<!-- /n -->")
+    assert not re.search(r"^\s*<!-- /?n\b", text, re.M), "Markdown takes such a line for HTML"
     assert renewed(page, text) == text, "python -m tests.evidence --pages draws it"
+
+
+@pytest.mark.parametrize(
+    ("mark", "text"),
+    [
+        ("small | a; b | share#1", "0.98"),
+        ("small | a; b | share#1 | low", "0.90"),
+        ("small | a; b | share#1 | mean .0%", "98"),
+        ("small | a; b | share#1 | n", "5,000"),
+        ("small | a; b − c | share#2", "−0.200"),
+        ("small | a; b − c | share#2 | -gap .1f", "0.2"),
+        ("small | d; b − c | share#1 | half +.1f", "+0.3"),
+    ],
+)
+def test_a_mark_is_filled_from_its_piece(
+    mark: str, text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    columns = [Column("*policy*"), Column("world"), Column("share", ".2f"), Column("share", ".3f")]
+    rows = [
+        Row(["`a`", "b", {"mean": 0.98, "low": 0.9, "n": 5000}, {}]),
+        Row(["", "b − c", {}, {"gap": -0.2, "half": 0.1}]),
+        Row(["[d](e.md)", "b − c", {"gap": 0.1, "half": 0.3}, {}]),
+    ]
+    monkeypatch.setattr(marks, "load", lambda name: Piece(name, {}, columns, rows))
+    page = "It is <!-- n: {} -->{}<!-- /n --> of all."
+    assert filled(page.format(mark, "0.5")) == page.format(mark, text)
+
+
+@pytest.mark.parametrize(
+    ("mark", "error"),
+    [
+        ("comb-port | nobody | PTA_C %", ValueError),
+        ("comb-port | greedy | PTA", ValueError),
+        ("comb-port | greedy | policy", ValueError),
+        ("gap-brief | greedy | physics − graph", ValueError),
+        ("comb-port | greedy | PTA_C % | width", KeyError),
+    ],
+)
+def test_a_mark_without_a_number_is_refused(mark: str, error: type[Exception]) -> None:
+    with pytest.raises(error):
+        marks.number(mark)
 
 
 def test_every_table_stands_on_a_page() -> None:
