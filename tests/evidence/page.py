@@ -56,8 +56,9 @@ def region(piece: Piece, data: str) -> str:
 def _block(piece: Piece) -> list[str]:
     if not piece.shown:
         return []
-    lines = "\n".join(run["command"] for run in piece.runs.values())
+    commands = list(dict.fromkeys(run["command"] for run in piece.runs.values()))
+    lines = "\n".join(commands)
     block = f"<!-- {MADE} -->\n```sh\n{lines}\n```"
-    if len(piece.runs) <= FEW:
+    if len(commands) <= FEW:
         return [block]
-    return [f"<details><summary>{len(piece.runs)} commands</summary>\n\n{block}\n\n</details>"]
+    return [f"<details><summary>{len(commands)} commands</summary>\n\n{block}\n\n</details>"]

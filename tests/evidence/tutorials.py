@@ -18,8 +18,8 @@ NAMES = {
     "graph": "[on hulls](hulls.md), graph world",
     "physics": "[on hulls](hulls.md), then MuJoCo",
 }
-SHIPPED = {"ddqn": ("976 episodes", "8"), "mappo": ("about 1,400 episodes", "23")}
-"""Decisions and minutes that models/weights/README.md and docs/policies/mappo.md tell."""
+SHIPPED = {"ddqn": ("976 episodes", ""), "mappo": ("about 1,400 episodes", "")}
+"""Episodes that models/weights/README.md tells; minutes were not kept."""
 KEYS = ("return", "pta_c", "nt90")
 
 
