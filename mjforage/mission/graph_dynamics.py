@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all
+from mjforage.forcing.steady import steady_wind
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, NOBODY, Transition, start_state
-from mjforage.mission.initial_state import LEEWAY, InitialState
+from mjforage.mission.initial_state import InitialState
 from mjforage.mission.item_rule import ItemRule
 from mjforage.mission.moves import Moves, move_length
 from mjforage.mission.trajectory import TrajectoryRecorder
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
@@ -67,6 +69,7 @@ class GraphDynamics:
         fleet: Fleet,
         scenario: Scenario,
         trajectory: TrajectoryRecorder | None = None,
+        place: Place | None = None,
     ) -> None:
         """Prepare.
 
@@ -78,20 +81,21 @@ class GraphDynamics:
         self._graph, self._trajectory, self._period_s = graph, trajectory, scenario.period_s
         chances = chances_of(fleet, scenario)
         self.pickup = None if chances is None else pickup_of(fleet, scenario)
+        self._weather, self._mps = scenario.weather, graph.pitch_m / scenario.period_s
+        self._north_deg = place.rotation_deg if place else 0.0
         noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
         self._items = ItemRule(graph, fleet, noise, walls, chances)
         self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._yaw = np.array([math.atan2(-down, right) for down, right in OFFSETS])
-        self._mps = graph.pitch_m / scenario.period_s
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
         self._begin(start_state(initial, self._centres))
         self._items.reset(initial, keys, self._state)
-        drift = initial.drift_rc[0] * self._mps / LEEWAY
-        self._wind = np.array((drift[1], -drift[0]))
         if self._trajectory is not None:
             self._trajectory.start(self._period_s)
+            steady = steady_wind(keys[:1], self._weather, self._mps, self._north_deg)
+            self._wind = steady.wind_mps[0]
         self._record()
         return self._state
 

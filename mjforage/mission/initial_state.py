@@ -5,7 +5,6 @@ their dynamics and in nothing else. Positions are (row, column) in node units; n
 integers.
 """
 
-import math
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -13,19 +12,13 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
-from mjforage.base.randomness import Stream, UInt64Array, bits, normal, stream_key, uniform
+from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key, uniform
 from mjforage.base.views import read_only
+from mjforage.forcing.steady import steady_wind
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, Water
 from mjforage.graph_planner.graph.walls import WALLS, into_water
 from mjforage.scenario.scenario import Items, Weather
-
-LEEWAY = 0.03  # of the wind, at which an item drifts by the paper's rule
-_DIRECTION = 1000  # step of a drawn direction in its stream, away from the other draws
-_HALF = np.uint64(32)
-_LOW = np.uint64(0xFFFFFFFF)
-FloatArray = NDArray[np.float64]
-_TO_SYMMETRIC = 2.0 / (1 << 32)
 
 
 @dataclass(frozen=True)
@@ -81,19 +74,6 @@ def nearest_nodes(water: Water, rc: NDArray[np.float64]) -> Int32Array:
 
 
 @kernel
-def to_symmetric(draw: np.uint64) -> tuple[float, float]:
-    """Two uniforms in [-1, 1) from 64 random bits: (row, column) of an item's noise."""
-    high, low = np.int64(draw >> _HALF), np.int64(draw & _LOW)
-    return high * _TO_SYMMETRIC - 1.0, low * _TO_SYMMETRIC - 1.0
-
-
-@kernel
-def item_noise(key: np.uint64, item: int, step: int) -> tuple[float, float]:
-    """Two uniforms in [-1, 1) for one item and step, from one draw: (row, column)."""
-    return to_symmetric(bits(key, item, step))
-
-
-@kernel
 def _count_items(keys: UInt64Array, mean: float, std: float, otherwise: int) -> Int32Array:
     """Number of items of each episode: a rounded normal draw, `otherwise` if not positive."""
     counts = np.empty(keys.size, np.int32)
@@ -136,46 +116,6 @@ def _place_items(
     spread = items.covariance_node2**0.5
     _scatter_items(keys, graph.water, walls, counts, spread, items.hotspots, item_rc, item_node)
     return counts, item_rc, item_node
-
-
-@kernel
-def _drifts(keys: UInt64Array, least: FloatArray, largest: FloatArray) -> FloatArray:
-    """Constant drift (episode, 2) of each episode, uniform between (2,) bounds [node/step]."""
-    drift, half, middle = np.empty((keys.size, 2)), (largest - least) / 2, (largest + least) / 2
-    for e in range(keys.size):
-        key = stream_key(keys[e], Stream.WEATHER)
-        for axis in range(2):
-            reach, centre = half[axis], middle[axis]
-            drift[e, axis] = centre + reach * (2.0 * uniform(key, axis, 0) - 1.0)
-    return drift
-
-
-@kernel
-def steady_vectors(keys: UInt64Array, stream: int, speed: float, toward_rad: float) -> FloatArray:
-    """Vectors (episode, 2) in (x, y) of one speed; a direction that is NaN is drawn per episode."""
-    result = np.empty((keys.size, 2))
-    for e in range(keys.size):
-        angle = toward_rad
-        if math.isnan(angle):
-            angle = 2.0 * math.pi * uniform(stream_key(keys[e], stream), 0, _DIRECTION)
-        result[e, 0], result[e, 1] = speed * math.cos(angle), speed * math.sin(angle)
-    return result
-
-
-def toward_of(from_deg: float | None) -> float:
-    """Direction of a wind from a compass bearing: counter-clockwise from east [rad]; NaN: drawn."""
-    return math.nan if from_deg is None else math.radians(270.0 - from_deg % 360.0)
-
-
-def _constant_drift(keys: UInt64Array, weather: Weather, node_mps: float) -> FloatArray:
-    """(episode, 2) constant drift in (row, column) [node/step]: the wind's, or the paper's."""
-    if weather.wind_speed_mps is None:
-        reach = weather.drift_node_per_step
-        ranges = weather.drift_ranges_node_per_step or ((-reach, reach), (-reach, reach))
-        return _drifts(keys, *np.array(ranges, np.float64).T.copy())
-    toward = toward_of(weather.wind_from_deg)
-    wind = steady_vectors(keys, Stream.WEATHER, weather.wind_speed_mps, toward)
-    return LEEWAY / node_mps * np.stack((-wind[:, 1], wind[:, 0]), axis=1)
 
 
 def nodes_around(graph: NavigationGraph, nodes: Int32Array, count: int) -> Int32Array:
@@ -242,6 +182,7 @@ def create_initial_state(
     n_agents: int,
     keys: UInt64Array,
     walls: str = "clip",
+    north_deg: float = 0.0,
 ) -> InitialState:
     """The worlds of a batch of episodes.
 
@@ -251,6 +192,7 @@ def create_initial_state(
     starts : (start,) nodes to assign at random, or empty for a random cluster per episode
     keys : (episode,) episode keys
     walls : boundary condition of items on land, of `WALLS`
+    north_deg : bearing of the map's y axis, clockwise from true north
 
     Raises
     ------
@@ -262,6 +204,6 @@ def create_initial_state(
         n_items=counts,
         item_rc=item_rc,
         item_node=item_node,
-        drift_rc=read_only(_constant_drift(keys, weather, node_mps)),
+        drift_rc=read_only(steady_wind(keys, weather, node_mps, north_deg).drift_rc),
         agent_node=read_only(_place_agents(graph, starts, n_agents, keys)),
     )

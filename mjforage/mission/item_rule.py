@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import BoundKernel, inlined, kernel
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key
 from mjforage.base.rows import scatter_all
+from mjforage.forcing.item_noise import to_symmetric
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, Water
 from mjforage.graph_planner.graph.walls import WALLS, into_water, put_back
 from mjforage.mission.capture_chances import Chances
 from mjforage.mission.capture_rule import Stays, collect_by_chance
 from mjforage.mission.dynamics import Transition
-from mjforage.mission.initial_state import InitialState, item_places, to_symmetric
+from mjforage.mission.initial_state import InitialState, item_places
 from mjforage.mission.task import IDLE, TAKEN
 from mjforage.scenario.roles import Fleet
 

@@ -72,7 +72,8 @@ class Mission:
         self.exchange: Exchange = exchange
         _check_capabilities(setup, self.exchange)
         if dynamics is None:
-            dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
+            about = setup.graph, setup.fleet, setup.scenario
+            dynamics = GraphDynamics(*about, place=setup.grid.place)
         pickup = read_only(dynamics.pickup)
         self._asked = "policy"  # who answered last, for messages
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)

@@ -167,6 +167,7 @@ class Setup:
             len(self.fleet),
             keys,
             scenario.rules.walls,
+            self.grid.place.rotation_deg if self.grid.place else 0.0,
         )
 
 

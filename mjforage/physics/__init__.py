@@ -1,1 +1,1 @@
-"""The same mission in MuJoCo: vessels, weather, scene, simulation, dynamics."""
+"""The same mission in MuJoCo: vessels, scene, simulation, dynamics."""

@@ -4,12 +4,11 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 
 from mjforage.controllers.legs import REACTION_S
-from mjforage.mission.initial_state import LEEWAY
+from mjforage.forcing import LEEWAY
 from mjforage.mission.setup import Setup
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.vessel_models import damping_rates, decision_s, full_speed_s, vessel_model
 from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
-from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.worlds import WORLDS
 from mjforage.scenario.scenario import POSITIONING_KEYS, Physics, Scenario, Sensors, Weather
 from mjforage.scenario.vessel_files import hull_names
@@ -128,8 +127,11 @@ def _of_vessel(
 
 
 def _most_wind_mps(scenario: Scenario) -> float:
-    weather = WeatherSettings.of_scenario(scenario.weather, scenario.map.pitch_m, scenario.period_s)
-    return weather.wind_speed_mps + math.sqrt(2.0) * weather.drawn_drift_mps / LEEWAY
+    weather = scenario.weather
+    if weather.wind_speed_mps is not None:
+        return weather.wind_speed_mps
+    most = math.hypot(*(max(map(abs, bounds)) for bounds in weather.drift_ranges))
+    return most * scenario.map.pitch_m / scenario.period_s / LEEWAY
 
 
 def _too_quick(vessel: Vessel, step_s: float, remedy: str) -> Iterator[str]:

@@ -15,12 +15,15 @@ from mjforage.mission.graph_dynamics import GraphDynamics
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import POSITIONING_KEYS, Scenario, Sensors
 
 World = Literal["graph", "hulls", "calibrated", "debris", "intake", "physics"]
 NAMES: tuple[World, ...] = get_args(World)
-Factory = Callable[[NavigationGraph, Fleet, Scenario, TrajectoryRecorder | None], Dynamics]
+Factory = Callable[
+    [NavigationGraph, Fleet, Scenario, TrajectoryRecorder | None, Place | None], Dynamics
+]
 
 
 @dataclass(frozen=True)
@@ -40,13 +43,17 @@ class WorldKind:
 
 
 def _physics(
-    graph: NavigationGraph, fleet: Fleet, scenario: Scenario, trajectory: TrajectoryRecorder | None
+    graph: NavigationGraph,
+    fleet: Fleet,
+    scenario: Scenario,
+    trajectory: TrajectoryRecorder | None = None,
+    place: Place | None = None,
 ) -> Dynamics:
     from mjforage.physics.dynamics.mujoco_dynamics import (
         MujocoDynamics,  # MuJoCo only where it is wanted
     )
 
-    return MujocoDynamics(graph, fleet, scenario, trajectory)
+    return MujocoDynamics(graph, fleet, scenario, trajectory, place)
 
 
 def _whole(scenario: Scenario) -> Scenario:
@@ -117,12 +124,13 @@ def create_mission(
     """
     kind = WORLDS[world]
     about = setup.graph, setup.fleet, kind.adapt(setup.scenario)
+    place = setup.grid.place
     if threads == 1 or world == "graph":
-        return Mission(setup, kind.dynamics(*about, trajectory))
+        return Mission(setup, kind.dynamics(*about, trajectory, place))
     from mjforage.physics.dynamics.threaded_dynamics import ThreadedDynamics
 
-    others = (kind.dynamics(*about, None) for _ in range(threads - 1))
-    return Mission(setup, ThreadedDynamics([kind.dynamics(*about, trajectory), *others]))
+    others = (kind.dynamics(*about, None, place) for _ in range(threads - 1))
+    return Mission(setup, ThreadedDynamics([kind.dynamics(*about, trajectory, place), *others]))
 
 
 def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:

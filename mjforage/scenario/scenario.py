@@ -97,8 +97,8 @@ class Weather:
     """Mean wind, in the place of the drift: `drift_node_per_step` then says nothing; absent: the
     wind is the drift's."""
     wind_from_deg: Bearing | None = None
-    """Direction that the wind comes from, clockwise from north (0 north, 90 east); absent: drawn
-    per episode, uniform over the circle."""
+    """Direction that the wind comes from, clockwise from true north (0 north, 90 east); absent:
+    drawn per episode, uniform over the circle."""
     shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
     """Height of obstacles on all land, in whose wind shadow the wind is weaker; 0: no shadow."""
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
@@ -106,7 +106,7 @@ class Weather:
     `wind_speed_mps`."""
     drift_ranges_node_per_step: tuple[_Drifts, _Drifts] | None = None
     """Ranges [least, largest] of the drift along the rows and the columns, in the place of +- that
-    key; in the graph world alone."""
+    key."""
     noise_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.09
     """Independent drift per item and step, uniform in +- this per axis."""
     gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0
@@ -117,12 +117,19 @@ class Weather:
     """Speed of a constant current in open water. Quays let none of it through and weaken it beside
     them; in a narrows it is faster, in a bay with one mouth it ends near the mouth. Needs water at
     the map's edge, where it comes in and goes out."""
-    current_toward_deg: Bearing | None = None
-    """Direction that it flows to, counter-clockwise from east; absent: drawn per episode."""
+    current_to_deg: Bearing | None = None
+    """Direction that it flows to, clockwise from true north (0 north, 90 east); absent: drawn per
+    episode."""
     current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Standard deviation per axis of a slow Gauss-Markov part of that current."""
     circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0
     """Peak speed of a harbour circulation between the quays, positive counter-clockwise."""
+
+    @property
+    def drift_ranges(self) -> tuple[_Drifts, _Drifts]:
+        """Ranges of the drift along rows and columns [node/step], where no wind is given."""
+        reach = self.drift_node_per_step
+        return self.drift_ranges_node_per_step or ((-reach, reach), (-reach, reach))
 
 
 _ARCH = source("estimate: five abreast fill a mouth; silos clog up to 5, Zuriguel et al. (2005)")

@@ -102,7 +102,7 @@ def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> User
         key = override.partition("=")[0].strip()
         close = [one for one in sorted(known) if one.endswith(f".{key}")]
         close = close or difflib.get_close_matches(key, known, n=1, cutoff=0.9)
-        if close and key not in known and f"did you mean {close[0]}?" not in str(error):
+        if close and key not in known and close[0] not in str(error):
             fault = str(error).partition("; did you mean ")[0]
             return UserError(f"set {override}: did you mean {close[0]}? As it is, {fault}")
     return None
@@ -165,6 +165,12 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         For an unknown or missing key, a wrong type, a value out of range, or tables that contradict
         each other.
     """
+    weather = tree.get("weather")
+    if isinstance(weather, dict) and "current_toward_deg" in weather:
+        raise UserError(
+            f"{where}: weather.current_toward_deg = {shown(weather['current_toward_deg'])} counted "
+            "from east; give weather.current_to_deg, clockwise from true north: 90 less that number"
+        )
     scenario = check(Scenario, tree, where)
     name = scenario.name
     if not name.isprintable() or not name.strip(" .") or set(name) & set("/\\"):

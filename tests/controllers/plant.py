@@ -1,6 +1,6 @@
 """Vessels on open water under the pilot, one per episode, all with the same order."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,17 +9,17 @@ from mjforage.base.randomness import episode_keys
 from mjforage.controllers import Pilot
 from mjforage.controllers.state import STATE, VesselState
 from mjforage.controllers.vessel_model import packed
+from mjforage.forcing import Forcing
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import Vessel, load_vessel
-from mjforage.physics.weather.field import Field
-from mjforage.physics.weather.settings import WeatherSettings
+from mjforage.scenario.scenario import Weather
+from tests.mjforage.mission.by_hand import CALM
 
 FloatArray = NDArray[np.float64]
 
 CONTROL_S = 0.1
-CALM = WeatherSettings()
 CURRENT_MPS = 0.3
 CORNER_M = 2.0  # before a corner the next leg is ordered
 FREE = 1e3  # a limit that no vessel reaches
@@ -42,19 +42,20 @@ def vessel_at(x: float, y: float, yaw: float = 0.0, speed: float = 0.0) -> Vesse
     return s
 
 
-def beam_gusts(current: bool = False) -> WeatherSettings:
+def beam_gusts(current: bool = False) -> Weather:
     """6 m/s of gusty wind to the north, and a current with it."""
-    return WeatherSettings(
+    return replace(
+        CALM,
         wind_speed_mps=6.0,
-        wind_toward_deg=90.0,
+        wind_from_deg=180.0,
         gust_intensity=0.15,
         current_speed_mps=CURRENT_MPS if current else 0.0,
-        current_toward_deg=90.0,
+        current_to_deg=0.0,
     )
 
 
-def cross_current() -> WeatherSettings:
-    return WeatherSettings(current_speed_mps=CURRENT_MPS, current_toward_deg=90.0)
+def cross_current() -> Weather:
+    return replace(CALM, current_speed_mps=CURRENT_MPS, current_to_deg=0.0)
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def sail(
     seconds: float,
     *,
     stay: bool = False,
-    weather: WeatherSettings = CALM,
+    weather: Weather = CALM,
     noise_m: float = 0.0,
     start: tuple[float, float] = (0.0, 0.0),
     load: float = 0.0,
@@ -95,7 +96,7 @@ def sail(
     n = yaws.size
     simulation = Simulation(build_scene([vessel]), n)
     pilot, rng = Pilot([vessel_model(vessel)], None, n), np.random.default_rng(5)
-    field = Field.create(weather, episode_keys(3, np.arange(n)))
+    field = Forcing.create(weather, episode_keys(3, np.arange(n)))
     pose = np.zeros((n, 1, 3))
     pose[:, 0, :2], pose[:, 0, 2] = start, yaws
     simulation.place_vessels(pose)

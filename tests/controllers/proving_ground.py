@@ -12,7 +12,6 @@ from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import (
-    CALM,
     CONTROL_S,
     CORNER_M,
     Track,
@@ -20,6 +19,7 @@ from tests.controllers.plant import (
     cross_current,
     sail,
 )
+from tests.mjforage.mission.by_hand import CALM
 
 WEATHERS = {
     "calm": CALM,

@@ -1,6 +1,7 @@
 """Vessels that quays hold: they leave a corner of two quays, and only when they have to."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,11 +21,11 @@ from mjforage.controllers.safety import limit_speeds
 from mjforage.controllers.state import HOLD, TRANSIT, VesselState
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.physics.vessels import load_vessel
-from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import FORAGER as P
 from tests.controllers.plant import vessel_at
 from tests.controllers.walks import PITCH_M, Walk
 from tests.graph_planner.charts import grid
+from tests.mjforage.mission.by_hand import CALM
 
 STEP_S = 0.1
 ROWS = (".......",) * 5
@@ -111,7 +112,7 @@ def test_lee_limits_are_for_vessels_that_do_not_get_off(off_s: float) -> None:
 def test_vessels_leave_a_corner_that_the_water_sets_into() -> None:
     """16 headings, .2 m/s diagonally into the corner; the node two to the west within 100 s."""
     graph = navigation_graph(grid(*ROWS), PITCH_M, False)
-    water = WeatherSettings(current_speed_mps=0.2, current_toward_deg=-45.0)
+    water = replace(CALM, current_speed_mps=0.2, current_to_deg=135.0)
     walk = Walk(
         graph, [load_vessel("forager")], [(4, 6)], scouts=0, episodes=16, weather=water, seed=3
     )

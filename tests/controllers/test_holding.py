@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from mjforage.physics.vessels import load_vessel
-from mjforage.physics.weather.settings import WeatherSettings
-from tests.controllers.plant import CALM, beam_gusts, cross_current, sail
+from mjforage.scenario.scenario import Weather
+from tests.controllers.plant import beam_gusts, cross_current, sail
+from tests.mjforage.mission.by_hand import CALM
 
 SETTLED = 300  # ticks
 YAWS = np.linspace(-np.pi, np.pi, 9)[:-1]
@@ -24,7 +25,7 @@ TARGET = (0.0, 0.0)
     ],
     ids=["calm", "current", "gusts", "both", "gusts and noise"],
 )
-def test_station_keeping(name: str, weather: WeatherSettings, noise_m: float) -> None:
+def test_station_keeping(name: str, weather: Weather, noise_m: float) -> None:
     track = sail(load_vessel(name), YAWS, TARGET, 60.0, stay=True, weather=weather, noise_m=noise_m)
     off = track.off(TARGET)[SETTLED:]
     assert np.sqrt((off**2).mean(axis=0)).max() <= 0.5

@@ -1,6 +1,7 @@
 """Lee shores: vessels keep off where .3 m/s of water sets onto a quay, and get off where it has."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,11 +25,11 @@ from mjforage.controllers.safety import limit_speeds, settle
 from mjforage.controllers.state import VesselState
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.physics.vessels import load_vessel
-from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import FORAGER as P
 from tests.controllers.plant import FREE, blank, vessel_at
 from tests.controllers.walks import PITCH_M, Walk
 from tests.graph_planner.charts import grid
+from tests.mjforage.mission.by_hand import CALM
 
 FloatArray = NDArray[np.float64]
 
@@ -45,13 +46,14 @@ class Shore:
     One per heading; gusts, 0.1 m and 1 degree of noise.
     """
 
-    def __init__(self, name: str, toward_deg: float, row: int, headings: int) -> None:
+    def __init__(self, name: str, to_deg: float, row: int, headings: int) -> None:
         graph = navigation_graph(grid(*ROWS), PITCH_M, False)
-        weather = WeatherSettings(
-            drawn_drift_mps=0.04,
+        weather = replace(
+            CALM,
+            drift_node_per_step=0.04,
             gust_intensity=0.15,
             current_speed_mps=SET_MPS,
-            current_toward_deg=toward_deg,
+            current_to_deg=to_deg,
         )
         noise = (0.1, 0.0175)
         self.walk = Walk(
@@ -98,7 +100,7 @@ def test_a_vessel_that_was_carried_onto_the_edge_gets_off(
     name: str, cells: tuple[int, int]
 ) -> None:
     """Most lie alongside; 10 s are not enough to turn off, 60 s are."""
-    shore = Shore(name, -90.0, 4, 16)
+    shore = Shore(name, 180.0, 4, 16)
     shore.drift(20.0)
     assert shore.walk.touching.all()
     assert np.isfinite(shore.go(cells, 6)).all()
@@ -106,11 +108,11 @@ def test_a_vessel_that_was_carried_onto_the_edge_gets_off(
 
 
 @pytest.mark.parametrize("name", ["scout", "forager"])
-@pytest.mark.parametrize("toward_deg", [-90.0, -45.0])
+@pytest.mark.parametrize("to_deg", [180.0, 135.0])
 def test_vessels_come_to_a_lee_shore_hold_there_and_leave_without_touching(
-    name: str, toward_deg: float
+    name: str, to_deg: float
 ) -> None:
-    shore = Shore(name, toward_deg, 2, 16)
+    shore = Shore(name, to_deg, 2, 16)
     shore.go((0, 0), 1)
     assert (shore.go((0, -2), 3) < 20.0).all()
     shore.go((0, 0), 3)

@@ -12,9 +12,10 @@ from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
-from mjforage.physics.weather.settings import WeatherSettings
-from tests.controllers.plant import CALM, FloatArray, beam_gusts, blank, cross_current, sail
+from mjforage.scenario.scenario import Weather
+from tests.controllers.plant import FloatArray, beam_gusts, blank, cross_current, sail
 from tests.controllers.proving_ground import corner_rmse, leg_rmse
+from tests.mjforage.mission.by_hand import CALM
 
 LEG_M = 100.0
 FULL = 75  # items: all of an episode
@@ -29,7 +30,7 @@ EPISODES = 6
     [(CALM, 0.1), (cross_current(), 0.15), (beam_gusts(), 0.5)],
     ids=["calm", "current", "gusts"],
 )
-def test_straight_legs(name: str, load: float, weather: WeatherSettings, limit_m: float) -> None:
+def test_straight_legs(name: str, load: float, weather: Weather, limit_m: float) -> None:
     track = sail(
         load_vessel(name), np.zeros(EPISODES), (LEG_M, 0.0), 95.0, weather=weather, load=load
     )
@@ -42,7 +43,7 @@ def test_straight_legs(name: str, load: float, weather: WeatherSettings, limit_m
     ("weather", "limit_m"), [(CALM, 0.03), (cross_current(), 0.17)], ids=["calm", "current"]
 )
 def test_after_a_corner_a_vessel_comes_back_to_its_leg(
-    name: str, weather: WeatherSettings, limit_m: float
+    name: str, weather: Weather, limit_m: float
 ) -> None:
     """From 30 s after a corner of 90 degrees the leg is kept, though it was ordered 2 m off it."""
     track = sail(

@@ -5,7 +5,7 @@ quays and in corners too; gusts, 0.1 m and 1 degree of noise. A touch is that of
 """
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,11 @@ from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.physics.dynamics.collecting import MOUTH_DEPTH_M, MOUTH_REACH_M
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
-from mjforage.physics.weather.settings import WeatherSettings
+from mjforage.scenario.scenario import Weather
 from tests.controllers.proving_ground import say
 from tests.controllers.walks import PITCH_M, Outcome, Walk
 from tests.graph_planner.charts import grid
+from tests.mjforage.mission.by_hand import CALM
 
 FloatArray = NDArray[np.float64]
 
@@ -26,12 +27,13 @@ EDGES_MPS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 10.0)
 NOISE = (0.1, 0.0175)  # m, rad
 REST_M = 1.9  # from the node's centre to an item, on each axis, at most
 ITEM_SHARE = 0.7  # of decisions with an item in the node
-BREEZE = WeatherSettings(drawn_drift_mps=0.04, gust_intensity=0.15)
-STREAM = WeatherSettings(
-    drawn_drift_mps=0.04,
+BREEZE = replace(CALM, drift_node_per_step=0.04, gust_intensity=0.15)
+STREAM = replace(
+    CALM,
+    drift_node_per_step=0.04,
     gust_intensity=0.15,
     current_speed_mps=0.3,
-    current_toward_deg=None,
+    current_to_deg=None,
 )
 BASIN, LANE, POOL = ("....", "....", "...."), ("........",), ("...", "...")
 HARBOUR = ("......", ".##.#.", "......", ".#.##.", "......")
@@ -44,7 +46,7 @@ class Place:
     rows: tuple[str, ...]
     scouts: int
     foragers: int
-    weather: WeatherSettings = BREEZE
+    weather: Weather = BREEZE
 
 
 PLACES = {

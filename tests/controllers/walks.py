@@ -1,7 +1,7 @@
 """Walks of a crew from node to node, steered by the pilot on the real simulation."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import episode_keys
 from mjforage.controllers import Chart, Pilot
+from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
 from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver
 from mjforage.physics.dynamics.touch import touches
@@ -16,10 +17,10 @@ from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import Vessel, load_vessel
-from mjforage.physics.weather.field import Field
-from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.scenario.maps import load_map
 from mjforage.scenario.roles import Fleet, Role
+from mjforage.scenario.scenario import Weather
+from tests.mjforage.mission.by_hand import CALM
 
 FloatArray = NDArray[np.float64]
 NodeArray = NDArray[np.int32]
@@ -29,8 +30,7 @@ CONTROL_S, PERIOD_S, PITCH_M = 0.1, 10.0, 4.0
 ARRIVAL_M = 1.0
 STARTS = ((10, 7), (12, 7), (14, 7), (16, 7))
 
-CALM = WeatherSettings()
-DEFAULT = WeatherSettings(drawn_drift_mps=0.04)  # comb-port: wind up to 1.9 m/s, no current
+DEFAULT = replace(CALM, drift_node_per_step=0.04)  # comb-port: wind up to 1.9 m/s, no current
 
 
 def crew() -> list[Vessel]:
@@ -109,7 +109,7 @@ class Walk:
         *,
         scouts: int = 2,
         episodes: int = 8,
-        weather: WeatherSettings = DEFAULT,
+        weather: Weather = DEFAULT,
         noise: tuple[float, float] = (0.0, 0.0),
         seed: int = 0,
     ) -> None:
@@ -127,7 +127,7 @@ class Walk:
         self.simulation = Simulation(scene, episodes)
         self.chart = Chart(graph.navigable, graph.pitch_m)
         self.pilot = Pilot([vessel_model(vessel) for vessel in vessels], self.chart, episodes)
-        self.field = Field.create(weather, self.keys)
+        self.field = Forcing.create(weather, self.keys)
         self.size = np.array([[0.5 * vessel.length_m, 0.5 * vessel.beam_m] for vessel in vessels])
         self.centres = graph.metres(np.stack((graph.rows, graph.cols), axis=1).astype(np.float64))
         first = [graph.node_of_cell[rc] for rc in starts]

@@ -25,7 +25,8 @@ from mjforage.learning.environments.waypoint_track import TICK_S, WaypointTrack
 from mjforage.physics.run_warnings import vessel_warnings
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.physics.vessels import load_vessel
-from mjforage.physics.weather import WeatherSettings
+from mjforage.scenario.scenario import Weather
+from mjforage.scenario.schema import check_fields
 
 TICKS = 5  # of 0.1 s in a step
 WAYPOINTS = 8
@@ -95,13 +96,10 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         reward : term -> weight; absent: `REWARD`
         """
         check_known(unknown, [*inspect.signature(WaypointEnv).parameters][:-1])
-        weather = WeatherSettings(
-            wind_speed_mps=wind_mps,
-            wind_toward_deg=None,
-            gust_intensity=gust_intensity,
-            current_speed_mps=current_mps,
-            current_toward_deg=None,
+        weather = Weather(
+            wind_speed_mps=wind_mps, gust_intensity=gust_intensity, current_speed_mps=current_mps
         )
+        check_fields(weather, "weather")
         check_mode(render_mode)
         self.render_mode = render_mode
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)

@@ -3,10 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.forcing import Forcing
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import Vessel
-from mjforage.physics.weather import Field, WeatherSettings
+from mjforage.scenario.scenario import Weather
 
 TICK_S = 0.1  # controllers run at 10 Hz
 NEAREST_M, FARTHEST_M = 4.0, 12.0  # from one waypoint to the next: one to three nodes
@@ -25,7 +26,7 @@ class WaypointTrack:
     reached : how many of them have been reached
     """
 
-    def __init__(self, vessel: Vessel, weather: WeatherSettings, waypoints: int) -> None:
+    def __init__(self, vessel: Vessel, weather: Weather, waypoints: int) -> None:
         self.vessel, self._weather, self._count = vessel, weather, waypoints
         self.simulation = Simulation(build_scene([vessel]), step_s=TICK_S)
 
@@ -36,7 +37,7 @@ class WaypointTrack:
         legs = reach[:, None] * np.stack((np.cos(bearing), np.sin(bearing)), axis=1)
         self.waypoints: FloatArray = np.cumsum(legs, axis=0)
         keys = random.integers(0, 1 << 63, 1).astype(np.uint64)
-        self._field = Field.create(self._weather, keys)
+        self._forcing = Forcing.create(self._weather, keys)
         self.simulation.reset()
         self.simulation.commands[:] = 0.0
         self.simulation.thruster_state[:] = 0.0
@@ -48,8 +49,7 @@ class WaypointTrack:
         self.pose = self.simulation.vessel_pose[0, 0].copy()
         self.velocity = self.simulation.vessel_velocity[0, 0].copy()
         here, now = self.pose[None, None, :2], self._ticks * TICK_S
-        self.wind = self._field.wind(now, here)[0, 0]
-        self.current = self._field.current(now, here)[0, 0]
+        self.wind, self.current = (each[0, 0] for each in self._forcing.at(now, here))
 
     @property
     def target(self) -> FloatArray:

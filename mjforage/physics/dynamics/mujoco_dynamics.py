@@ -14,17 +14,18 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.controllers import Chart, Pilot
+from mjforage.forcing import LEEWAY, Forcing
+from mjforage.forcing.flow import flow_in
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
 from mjforage.mission.dynamics import NOBODY, Transition, start_state
-from mjforage.mission.initial_state import LEEWAY, InitialState, nearest_nodes
+from mjforage.mission.initial_state import InitialState, nearest_nodes
 from mjforage.mission.item_rule import ItemRule, collect
 from mjforage.mission.moves import Moves
 from mjforage.mission.task import IDLE
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.camera import camera_of
-from mjforage.physics.dynamics.carrying import carried, leeways
 from mjforage.physics.dynamics.collecting import (
     Attempts,
     Goal,
@@ -41,7 +42,7 @@ from mjforage.physics.dynamics.fleet_scene import (
     item_choices,
     known_vessels,
 )
-from mjforage.physics.dynamics.item_bodies import draw_classes, read_items
+from mjforage.physics.dynamics.item_bodies import draw_classes, leeways, read_items
 from mjforage.physics.dynamics.period_monitor import (
     Known,
     MonitorSetup,
@@ -58,7 +59,7 @@ from mjforage.physics.positioning import create_positioning
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.simulation.instability import warnings_suppressed
 from mjforage.physics.vessel_models import vessel_model
-from mjforage.physics.weather import Field, WeatherSettings, flow_in
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
@@ -72,6 +73,7 @@ class MujocoDynamics:
         fleet: Fleet,
         scenario: Scenario,
         trajectory: TrajectoryRecorder | None = None,
+        place: Place | None = None,
     ) -> None:
         """Read vessels and build what does not depend on the episode.
 
@@ -84,6 +86,7 @@ class MujocoDynamics:
         """
         self._graph, self._fleet, self._scenario = graph, fleet, scenario
         self._trajectory, self._choice = trajectory, scenario.physics
+        self._north_deg = place.rotation_deg if place else 0.0
         weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
         self._step_s = step_s = self._choice.step_s or self._integrator.step_s
         self._ticks = WEATHER_TICKS * whole_times(
@@ -122,10 +125,7 @@ class MujocoDynamics:
         self._monitor_setup = MonitorSetup(
             pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
         )
-        self._settings = WeatherSettings.of_scenario(
-            scenario.weather, graph.pitch_m, scenario.period_s
-        )
-        flow_in(self._settings, graph)
+        flow_in(scenario.weather, graph)
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
         noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
@@ -153,7 +153,6 @@ class MujocoDynamics:
         self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
         self._tick = np.zeros(episodes, np.int64)
         self._room_left = np.tile(self._fleet.capacity, (episodes, 1))
-        self._wind_rc = initial.drift_rc
         self._state = start_state(initial, self._centres)
         self._attempts, self._tracks = self._no_attempts(initial), self._no_tracks(initial)
         self._mouths = self._mouths.of(episodes)
@@ -181,7 +180,6 @@ class MujocoDynamics:
         self._positioning.reset(rows)
         self._period.forget(rows)
         self._tick[rows] = 0
-        self._wind_rc = scatter_rows(self._wind_rc, rows, initial.drift_rc)
         self._room_left[rows] = self._fleet.capacity
         self._state = scatter_all(self._state, rows, fresh, NOBODY)
         self._attempts = scatter_all(self._attempts, rows, self._no_attempts(initial), ("item",))
@@ -204,7 +202,9 @@ class MujocoDynamics:
 
     def _begin(self, keys: UInt64Array) -> None:
         """Take the keys of the batch, with the weather that they decide."""
-        self._keys, self._field = keys, Field.create(self._settings, keys, self._graph)
+        weather, period_s = self._scenario.weather, self._scenario.period_s
+        self._keys = keys
+        self._forcing = Forcing.create(weather, keys, self._graph, period_s, self._north_deg)
         self._failures = failures(self._scenario.faults, self._fleet, keys)
         cameras = self._camera, self._grid, keys, self._fleet.collects, self._tracks
         self._look_out = BoundKernel(look_out, *cameras)
@@ -230,12 +230,10 @@ class MujocoDynamics:
 
     def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
         """(episode, place, 2) velocity of items by mean wind and current [node/step]."""
-        if not self._bodies:
-            return np.broadcast_to(self._wind_rc[:, None], rc.shape)
-        of_items = leeways(self._simulation.item_class) if items else LEEWAY
-        leeway = np.broadcast_to(of_items, rc.shape[:2]).astype(np.float64)
-        about = self._field, self._graph, self._wind_rc, self._scenario.period_s
-        return carried(*about, (self._tick * CONTROL_S).astype(np.float64), rc, leeway)
+        if self._rule is not None:
+            return np.broadcast_to(self._rule.drift_rc[:, None], rc.shape)
+        leeway = leeways(self._simulation.item_class) if items else np.full(rc.shape[:2], LEEWAY)
+        return self._forcing.carried_rc(self._tick * CONTROL_S, rc, leeway)
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: steer, drift, collect. Inactive episodes do not change."""
@@ -278,15 +276,13 @@ class MujocoDynamics:
         """Give vessels and items the wind and the water of the moment."""
         simulation, now = self._simulation, self._tick * CONTROL_S
         vessels = self._motion.pose[..., :2]
-        simulation.vessel_wind[:] = self._field.wind(now, vessels)
-        simulation.vessel_water[:] = self._field.current(now, vessels)
+        simulation.vessel_wind[:], simulation.vessel_water[:] = self._forcing.at(now, vessels)
         if self._failures is not None:
             simulation.thrust_loss[:] = self._failures.losses(now)
         if self._bodies:
             items = simulation.item_xy
-            simulation.item_wind[:] = self._field.wind(now, items)
-            noise = self._field.item_noise(now, items.shape[1])
-            simulation.item_water[:] = self._field.current(now, items) + noise
+            simulation.item_wind[:], current = self._forcing.at(now, items)
+            simulation.item_water[:] = current + self._forcing.item_noise(now, items.shape[1])
 
     def _look(self, active: NDArray[np.bool_], pose: NDArray[np.float64]) -> None:
         """Let the collectors' cameras look for items, from the measured poses."""
@@ -391,10 +387,9 @@ class MujocoDynamics:
             self._remove()
 
     def _record(self) -> None:
-        """A frame of the first episode, with the wind at its first vessel."""
+        """A frame of the first episode, with the free wind."""
         assert self._trajectory is not None
         simulation, state, items = self._simulation, self._state, self._state.item_node.shape[1]
         xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
-        now = self._tick * CONTROL_S
-        wind = self._field.wind(now, self._motion.pose[:, :1, :2])[0, 0]
+        wind = self._forcing.open_water(self._tick * CONTROL_S).wind[0]
         self._trajectory.record(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)

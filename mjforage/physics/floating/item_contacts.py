@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.mission.initial_state import LEEWAY
+from mjforage.forcing import LEEWAY
 from mjforage.physics.floating.drift import Afloat
 from mjforage.physics.floating.quays import Quays
 

@@ -16,8 +16,8 @@ from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key, uniform
 from mjforage.controllers.navigation import SensorErrors
+from mjforage.forcing.gauss_markov import gauss_markov_pair
 from mjforage.physics.positioning.model import POSITIONING, FloatArray, Measured
-from mjforage.physics.weather.gauss_markov import gauss_markov_pair
 from mjforage.scenario.scenario import Sensors
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from mjforage.base.randomness import Stream, episode_keys, normal, stream_key
-from mjforage.mission.initial_state import item_noise
+from mjforage.forcing.item_noise import item_noise
 from mjforage.mission.setup import Setup
 from mjforage.scenario.roles import Role
 from tests.mjforage.mission.slow_link import SlowLink

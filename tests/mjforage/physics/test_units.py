@@ -36,7 +36,7 @@ TABLES: dict[str, Any] = {
 }
 FROM = {"north": 0.0, "east": 90.0, "south": 180.0, "west": 270.0}
 PUSHED = {"north": SOUTH, "east": WEST, "south": NORTH, "west": EAST}
-TOWARD = {"east": 0.0, "north": 90.0, "west": 180.0, "south": 270.0}
+TOWARD = FROM  # of a current: the bearing that it flows to
 AXES = {"north": NORTH, "east": EAST, "south": SOUTH, "west": WEST}
 HEADS = {  # compass word -> (x, y) of a move of a node, yaw [degrees counter-clockwise from east]
     "N": ((0.0, 1.0), 90.0),
@@ -77,7 +77,7 @@ def played(
     team = {"team": replace(TABLES["team"]["team"], collects=collects)}
     setup = by_hand(SEA, map=TABLES["map"], team=team, weather=weather, period_s=period_s)
     kind, trajectory, keys = WORLDS[world], TrajectoryRecorder(), episode_keys(0, np.arange(1))
-    dynamics = kind.dynamics(setup.graph, setup.fleet, kind.adapt(setup.scenario), trajectory)
+    dynamics = kind.dynamics(setup.graph, setup.fleet, kind.adapt(setup.scenario), trajectory, None)
     initial = setup.create_initial_state(keys)
     node = setup.graph.node_of_cell[int(item[0]), int(item[1])]
     initial = replace(initial, item_rc=item[None, None], item_node=np.array([[node]], np.int32))
@@ -120,7 +120,7 @@ def test_a_wind_carries_an_item_away_from_where_it_blows(world: str, origin: str
 @pytest.mark.parametrize("direction", TOWARD)
 def test_a_current_carries_an_item_where_it_flows_to(direction: str) -> None:
     """0.2 m/s for 8 s in still air, which holds 0.03 of it back: 1.552 m, 0.3104 node of 5 m."""
-    weather = replace(CALM, current_speed_mps=0.2, current_toward_deg=TOWARD[direction])
+    weather = replace(CALM, current_speed_mps=0.2, current_to_deg=TOWARD[direction])
     found, (x, y) = played("physics", weather, decisions=2), AXES[direction]
     np.testing.assert_allclose(found.carried(16), (1.552 * x, 1.552 * y), atol=0.02)
     told = found.dynamics.drift_rc(ITEM[None, None])[0, 0]
@@ -154,7 +154,7 @@ def test_the_noise_of_an_item_is_that_of_the_graph_in_every_decision() -> None:
 def test_wind_and_current_push_a_vessel_that_stays_at_first(side: str, water: bool) -> None:
     blown, borne = {toward: origin for origin, toward in PUSHED.items()}, TOWARD[side]
     wind = replace(CALM, wind_speed_mps=8.0, wind_from_deg=FROM[blown[AXES[side]]])
-    weather = replace(CALM, current_speed_mps=0.3, current_toward_deg=borne) if water else wind
+    weather = replace(CALM, current_speed_mps=0.3, current_to_deg=borne) if water else wind
     pushed = played("physics", weather).trajectory.frames.pose[2, 0, :2] - (20.0, 15.0)
     x, y = AXES[side]
     along, aside = pushed[0] * x + pushed[1] * y, pushed[0] * y - pushed[1] * x
@@ -202,7 +202,7 @@ def test_a_vessel_takes_the_item_of_its_node_if_it_collects(world: str, collects
 def test_a_mission_tells_how_wind_and_current_carry_items(world: str) -> None:
     """Northwards at 0.03 of 4 m/s, and with hulls by 0.97 of 0.1 m/s to the east as well."""
     weather = replace(CALM, wind_speed_mps=4.0, wind_from_deg=180.0)
-    weather = replace(weather, current_speed_mps=0.1, current_toward_deg=0.0)
+    weather = replace(weather, current_speed_mps=0.1, current_to_deg=90.0)
     setup = by_hand(SEA, weather=weather, **TABLES)
     mission = create_mission(setup, world)
     mission.reset(0, np.arange(1))

@@ -43,6 +43,10 @@ ROLE = "{count=1, moves=1, radius=1, collects=true}"
             "weather.drift_ranges_node_per_step: [0.1, 0.01]; give the least drift first",
         ),
         (
+            "weather.current_toward_deg=30",
+            "weather.current_toward_deg = 30 counted from east; give weather.current_to_deg",
+        ),
+        (
             "weather.wind_from_deg=90",
             "weather.wind_from_deg = 90 without a wind; give weather.wind_speed_mps too",
         ),

@@ -4,20 +4,19 @@ import numpy as np
 import pytest
 
 import mjforage
+from mjforage.forcing import LEEWAY, Forcing
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.policies import create_policy
-from mjforage.mission.initial_state import LEEWAY
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
-from mjforage.physics.dynamics.carrying import carried
 from mjforage.physics.scene.debris import load_debris
-from mjforage.physics.weather import Field, WeatherSettings
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario import Weather
 from mjforage.scenario.scenario_file import load_scenario
 
 CLASSES = 'physics.item_classes=["drifter", "bottle", "bag"]'
 STILL = ("weather.noise_node_per_step=0", "team.scouts.count=0", "horizon=8")
-STREAM = ("weather.current_speed_mps=0.2", "weather.current_toward_deg=30")
+STREAM = ("weather.current_speed_mps=0.2", "weather.current_to_deg=60.0")
 GYRE = ("weather.circulation_mps=0.1",)
 
 
@@ -67,11 +66,11 @@ def test_the_share_of_the_wind_is_that_of_the_class() -> None:
 
 def test_water_carries_what_the_wind_does_not() -> None:
     """In a uniform current of 0.2 m/s to 30 degrees, in closed form: 4 m a node, 10 s a step."""
-    settings = WeatherSettings(current_speed_mps=0.2, current_toward_deg=30.0)
-    field = Field.create(settings, np.zeros(1, np.uint64))
     graph = navigation_graph(np.ones((5, 5), np.bool_), 4.0, False)
-    wind, leeway = np.array([[0.1, -0.3]]), np.array([[0.0, LEEWAY, 0.2, 1.0]])
-    found = carried(field, graph, wind, 10.0, np.zeros(1), np.full((1, 4, 2), 2.0), leeway)
+    weather = Weather(0.8, 200.0, current_speed_mps=0.2, current_to_deg=60.0)
+    forcing = Forcing.create(weather, np.zeros(1, np.uint64), graph, 10.0)
+    leeway = np.array([[0.0, LEEWAY, 0.2, 1.0]])
+    found, wind = forcing.carried_rc(0.0, np.full((1, 4, 2), 2.0), leeway), forcing.drift_rc
     current = 0.2 * 10.0 / 4.0 * np.array([-0.5, np.sqrt(0.75)])
     for share, velocity in zip(leeway[0], found[0], strict=True):
         closed = share / LEEWAY * wind[0] + (1.0 - share) * current

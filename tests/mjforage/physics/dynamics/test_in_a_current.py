@@ -50,7 +50,7 @@ def test_vessels_and_items_with_and_without_bodies_feel_one_water() -> None:
     simulation._afloat.q[:, 0] = dynamics._motion.pose[:, 0, :2] + 0.05  # beside a vessel: active
     dynamics._feel(active)
     simulation.step(1)
-    field, items = dynamics._field, simulation._afloat.q
+    field, items = dynamics._forcing, simulation._afloat.q
     np.testing.assert_array_equal(
         simulation.vessel_water, field.current(now, dynamics._motion.pose[..., :2])
     )

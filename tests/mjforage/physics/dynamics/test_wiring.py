@@ -29,7 +29,7 @@ STREAM = Weather(
     drift_node_per_step=0.0,
     noise_node_per_step=0.0,
     current_speed_mps=0.4,
-    current_toward_deg=0.0,
+    current_to_deg=90.0,
 )
 
 

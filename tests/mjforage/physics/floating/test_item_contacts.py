@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.mission.initial_state import LEEWAY
+from mjforage.forcing import LEEWAY
 from mjforage.physics.floating import Afloat, Quays, separate
 from mjforage.physics.floating.item_contacts import (
     AHEAD_M,

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import episode_keys
+from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.mission.dynamics import BLOCKED, LATE, Transition
 from mjforage.mission.moves import Moves
@@ -16,7 +17,6 @@ from mjforage.physics.mission_trial import UnsteeredDynamics, mission_measures
 from mjforage.physics.scene import load_debris
 from mjforage.physics.vessel_checks import Float64Array
 from mjforage.physics.vessels import Vessel, load_vessel
-from mjforage.physics.weather import Field, WeatherSettings
 from mjforage.scenario.roles import Role
 from mjforage.scenario.scenario import Items, MapChoice, Physics, Sensors, Weather
 from tests.mjforage.mission.by_hand import by_hand
@@ -36,7 +36,7 @@ BLOWN = Weather(
     gust_intensity=0.3,
     gust_tau_s=3.0,
     current_speed_mps=0.2,
-    current_toward_deg=160.0,
+    current_to_deg=290.0,
     current_wander_mps=0.2,
 )
 WEST = Weather(noise_node_per_step=0.0, wind_speed_mps=12.0, wind_from_deg=270.0)
@@ -109,10 +109,9 @@ def mission_weather() -> Measures:
     return found
 
 
-def field_of(dynamics: UnsteeredDynamics) -> Field:
+def field_of(dynamics: UnsteeredDynamics) -> Forcing:
     """The weather of `BLOWN` for the episodes."""
-    settings = WeatherSettings.of_scenario(BLOWN, PITCH_M, PERIOD_S)
-    return Field.create(settings, KEYS, dynamics._graph)
+    return Forcing.create(BLOWN, KEYS, dynamics._graph, PERIOD_S)
 
 
 def times() -> list[float]:
@@ -120,7 +119,7 @@ def times() -> list[float]:
     return [WEATHER_S * k for k in range(round(DECISIONS * PERIOD_S / WEATHER_S))]
 
 
-def adrift(field: Field, xy: Float64Array, classes: Any) -> Float64Array:
+def adrift(field: Forcing, xy: Float64Array, classes: Any) -> Float64Array:
     """(episode, item, 2) where items from rest at `xy` come to [m], by the midpoint rule."""
     kinds, v = load_debris(), np.zeros_like(xy)
     table = np.array([(k.air, k.water, k.mass_kg + k.added_mass_kg) for k in kinds])
@@ -141,7 +140,7 @@ def adrift(field: Field, xy: Float64Array, classes: Any) -> Float64Array:
     return xy
 
 
-def blown(field: Field, vessel: Vessel, start: Float64Array) -> Float64Array:
+def blown(field: Forcing, vessel: Vessel, start: Float64Array) -> Float64Array:
     """(episode, 3) pose of a vessel adrift from rest, heading east at first, by its momentum."""
     poses = []
     for e, (x, y) in enumerate(start.tolist()):

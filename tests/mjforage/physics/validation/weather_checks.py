@@ -1,20 +1,23 @@
 """Gusts, currents and wind that episodes draw, and a circulation that keeps to its harbour."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from mjforage.base.randomness import episode_keys
+from mjforage.forcing import Forcing
+from mjforage.forcing.flow import LAYER
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.physics.vessel_checks import Float64Array
-from mjforage.physics.weather import Field, WeatherSettings
-from mjforage.physics.weather.flow import LAYER
 from mjforage.scenario.maps import load_map
+from mjforage.scenario.scenario import Weather
+from tests.mjforage.mission.by_hand import CALM
 from tests.mjforage.physics.validation.measures import Measures, at_most, check, near, near_share
 
 PITCH_M, PEAK_MPS = 4.0, 0.3
 CHANNEL = (8, 70)  # nodes across and along
-EPISODES, ITEMS = 4000, 20
+EPISODES, ITEMS, HELD_S = 4000, 20, 10.0
 WANDER_MPS, WANDER_S, NOISE_MPS, DRIFT_MPS, LEEWAY = 0.1, 600.0, 0.036, 0.04, 0.03
 MEAN_MPS, INTENSITY, TAU_S = 6.0, 0.15, 2.0
 SIGMA, ACROSS = INTENSITY * MEAN_MPS, 0.8
@@ -51,8 +54,8 @@ def gusts() -> Measures:
 
 def _sampled(step_s: float) -> tuple[Float64Array, Float64Array]:
     """(episode, sample) gusts along and across the wind [m/s]."""
-    settings = WeatherSettings(wind_speed_mps=MEAN_MPS, gust_intensity=INTENSITY, gust_tau_s=TAU_S)
-    field = Field.create(settings, episode_keys(7, np.arange(GUSTS)))
+    settings = Weather(MEAN_MPS, 270.0, gust_intensity=INTENSITY, gust_tau_s=TAU_S)
+    field = Forcing.create(settings, episode_keys(7, np.arange(GUSTS)))
     here = np.zeros((GUSTS, 1, 2))
     rows = [field.wind(30.0 + step_s * k, here)[:, 0] for k in range(SAMPLES)]
     along, across = np.moveaxis(np.stack(rows, axis=1), -1, 0)
@@ -106,8 +109,8 @@ def circulation() -> Measures:
 
 def _flow(graph: NavigationGraph, xy: Float64Array) -> Float64Array:
     """(point, 2) current at points [m/s]."""
-    settings = WeatherSettings(circulation_mps=PEAK_MPS)
-    field = Field.create(settings, episode_keys(0, np.arange(1)), graph)
+    settings = replace(CALM, circulation_mps=PEAK_MPS)
+    field = Forcing.create(settings, episode_keys(0, np.arange(1)), graph)
     return np.asarray(field.current(0.0, xy[None])[0])
 
 
@@ -142,17 +145,17 @@ def drawn_weather() -> Measures:
     for each item. A wind that drives items of 3 % leeway at up to 0.04 m/s per axis. Limits are
     four times the sampling error or more.
     """
-    settings = WeatherSettings(
+    settings = replace(
+        CALM,
         current_wander_mps=WANDER_MPS,
-        item_noise_mps=NOISE_MPS,
-        item_noise_period_s=10.0,
-        drawn_drift_mps=DRIFT_MPS,
+        noise_node_per_step=NOISE_MPS * HELD_S,
+        drift_node_per_step=DRIFT_MPS * HELD_S,
     )
-    field = Field.create(settings, episode_keys(3, np.arange(EPISODES)))
+    field = Forcing.create(settings, episode_keys(3, np.arange(EPISODES)), period_s=HELD_S)
     return [*_wander(field), *_noise(field), *_wind(field)]
 
 
-def _wander(field: Field) -> Measures:
+def _wander(field: Forcing) -> Measures:
     here = np.zeros((EPISODES, 1, 2))
     now, later = (field.current(t, here)[:, 0] for t in (1000.0, 1300.0))
     memory = (now * later).mean() / (now * now).mean()
@@ -162,7 +165,7 @@ def _wander(field: Field) -> Measures:
     ]
 
 
-def _noise(field: Field) -> Measures:
+def _noise(field: Forcing) -> Measures:
     first, held, later = (field.item_noise(t, ITEMS) for t in (40.0, 49.9, 50.0))
     spread = NOISE_MPS / math.sqrt(3.0)
     beside = (first[:, 1:] * first[:, :-1]).mean() / spread**2
@@ -176,7 +179,7 @@ def _noise(field: Field) -> Measures:
     ]
 
 
-def _wind(field: Field) -> Measures:
+def _wind(field: Forcing) -> Measures:
     drift = LEEWAY * field.wind(0.0, np.zeros((EPISODES, 1, 2)))[:, 0]
     spread = DRIFT_MPS / math.sqrt(3.0)
     return [

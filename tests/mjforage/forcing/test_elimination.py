@@ -5,9 +5,9 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from mjforage.physics.weather.elimination import IntArray, least_of_elements
-from mjforage.physics.weather.stream_element import EAST, NORTH, FloatArray
-from mjforage.physics.weather.stream_solver import shore_unknowns, stream_functions
+from mjforage.forcing.elimination import IntArray, least_of_elements
+from mjforage.forcing.stream_element import EAST, NORTH, FloatArray
+from mjforage.forcing.stream_solver import shore_unknowns, stream_functions
 from mjforage.scenario.maps import load_map
 
 
@@ -31,7 +31,7 @@ def test_streams_are_those_of_a_sparse_solver(
     water = load_map(port).navigable
     unknown, forces = shore_unknowns(water), np.stack((EAST, NORTH), axis=1)
     found = stream_functions(water, unknown, layer, forces)
-    solver = "mjforage.physics.weather.stream_solver.least_of_elements"
+    solver = "mjforage.forcing.stream_solver.least_of_elements"
     monkeypatch.setattr(solver, lambda places, _, *rest: by_sparse_solver(places, *rest))
     true = stream_functions(water, unknown, layer, forces)
     np.testing.assert_allclose(found, true, rtol=0.0, atol=1e-10 * np.abs(true).max())

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mjforage.forcing.flow import Flow, flow_of
+from mjforage.forcing.stream_element import TURN, stream_velocity
+from mjforage.forcing.stream_solver import still_unknowns, stream_functions
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
-from mjforage.physics.weather.flow import Flow, flow_of
-from mjforage.physics.weather.stream_element import TURN, stream_velocity
-from mjforage.physics.weather.stream_solver import still_unknowns, stream_functions
 from mjforage.scenario.maps import load_map
 
 PITCH = 4.0

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.special import k0, k1
 
+from mjforage.forcing.flow import LAYER, has_open_border
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
-from mjforage.physics.weather.flow import LAYER, has_open_border
-from tests.mjforage.physics.weather.test_flow import (
+from tests.mjforage.forcing.test_flow import (
     EAST,
     NORTH,
     PITCH,

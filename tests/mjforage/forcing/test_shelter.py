@@ -1,15 +1,17 @@
 """The lee: where it is, how long, and what it leaves of wind and gusts."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from mjforage.base.randomness import episode_keys
+from mjforage.forcing import Forcing
+from mjforage.forcing.shelter import CALM, shelter_of, upwind_land_m, wind_share
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
-from mjforage.physics.weather import Field, WeatherSettings
-from mjforage.physics.weather.shelter import CALM, shelter_of, upwind_land_m, wind_share
 from mjforage.scenario.maps import load_map
+from mjforage.scenario.scenario import Weather
 
 PITCH, HEIGHT = 4.0, 3.0
 HARBOUR = navigation_graph(load_map("comb_port").navigable, PITCH, False)
@@ -78,11 +80,11 @@ def test_land_upwind_is_found_as_by_small_steps(seed: int) -> None:
 
 def test_a_field_shelters_wind_and_gusts_and_does_not_without_height() -> None:
     graph, keys = wall(), episode_keys(0, np.arange(2))
-    gusty = {"wind_speed_mps": 5.0, "wind_toward_deg": 0.0, "gust_intensity": 0.15}
+    gusty = Weather(wind_speed_mps=5.0, wind_from_deg=270.0, gust_intensity=0.15)
     y = graph.metres(np.array([4.0, 0.0]))[1]
     xy = np.tile(np.array([[0.0, y], [18.5, y], [150.0, y]]), (2, 1, 1))
-    bare = Field.create(WeatherSettings(**gusty), keys, graph).wind(3.0, xy)
-    lees = Field.create(WeatherSettings(**gusty, shelter_height_m=HEIGHT), keys, graph)
+    bare = Forcing.create(gusty, keys, graph).wind(3.0, xy)
+    lees = Forcing.create(replace(gusty, shelter_height_m=HEIGHT), keys, graph)
     share = 1.0 - (CALM * HEIGHT / (150.0 - 18.0)) ** 1.5
     expected = bare * np.array([1.0, 0.0, share])[:, None]
     np.testing.assert_allclose(lees.wind(3.0, xy), expected, rtol=1e-12)

@@ -2,25 +2,27 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.base.randomness import Stream, UInt64Array, stream_key
+from mjforage.forcing.flow import OPEN_SEA, Flow, flow_in
+from mjforage.forcing.gauss_markov import gauss_markov_pair
+from mjforage.forcing.item_noise import item_noise
+from mjforage.forcing.shelter import NO_SHELTER, Shelter, shelter_of, wind_share
+from mjforage.forcing.steady import LEEWAY, steady_current, steady_wind, to_rc
+from mjforage.forcing.stream_element import stream_velocity
 from mjforage.graph_planner.graph.navigation import NavigationGraph
-from mjforage.mission.initial_state import LEEWAY, item_noise, steady_vectors
-from mjforage.physics.weather.flow import Flow, flow_in
-from mjforage.physics.weather.gauss_markov import gauss_markov_pair
-from mjforage.physics.weather.settings import WeatherSettings
-from mjforage.physics.weather.shelter import NO_SHELTER, Shelter, shelter_of, wind_share
-from mjforage.physics.weather.stream_element import stream_velocity
-from mjforage.scenario.bearings import direction
+from mjforage.scenario.scenario import Weather
 
 FloatArray = NDArray[np.float64]
 
 CROSSWIND_RATIO = 0.8  # gusts across the wind over those along it (IEC 61400-1, annex B)
 WANDER_TAU_S = 600.0  # correlation time of the wandering current; an estimate
+_DIGITS = 6  # of a leeway over the paper's, which the areas of a class give no better
 _EARLY = 1e-6  # periods; a time this little before a period's start counts as in it
 
 
@@ -30,17 +32,6 @@ def _stream_keys(keys: UInt64Array, stream: int) -> UInt64Array:
     result = np.empty_like(keys)
     for e in range(keys.size):
         result[e] = stream_key(keys[e], stream)
-    return result
-
-
-@kernel
-def _drawn_vectors(keys: UInt64Array, reach: float) -> FloatArray:
-    """Vectors (x, y) uniform in +-reach: the drift of `InitialState`, there in (row, column)."""
-    result = np.empty((keys.size, 2))
-    for e in range(keys.size):
-        key = stream_key(keys[e], Stream.WEATHER)
-        result[e, 0] = reach * (2.0 * uniform(key, 1, 0) - 1.0)
-        result[e, 1] = -reach * (2.0 * uniform(key, 0, 0) - 1.0)
     return result
 
 
@@ -125,25 +116,35 @@ def _item_noise(
     return out
 
 
-def _radians(toward_deg: float | None) -> float:
-    return math.nan if toward_deg is None else direction(toward_deg)
+class WindAndWater(NamedTuple):
+    """Velocities over ground, (..., 2) in (x, y) [m/s]."""
+
+    wind: FloatArray
+    current: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
-    """The weather of a batch of episodes; make one with `Field.create`.
+class Forcing:
+    """Wind and water of a batch of episodes; make one with `Forcing.create`.
 
     Every query takes `t_s`, the time since the start of the episode [s], one for all or
     (episode,), and gives the same bits whatever else is asked, before, after or beside it.
 
     Attributes
     ----------
-    settings : the requested weather
+    weather, graph : as requested; the map, None for the open sea
+    node_mps : speed of a node per decision [m/s]
+    period_s : of a decision
+    drift_rc : (episode, 2) drift of an item of the paper's leeway by the mean wind [node/step]
     mean_wind_mps : (episode, 2) wind without gusts [m/s]
     mean_current_mps : (episode, 2) constant part of the free stream [m/s]
     """
 
-    settings: WeatherSettings
+    weather: Weather
+    graph: NavigationGraph | None
+    node_mps: float
+    period_s: float
+    drift_rc: FloatArray
     mean_wind_mps: FloatArray
     mean_current_mps: FloatArray
     _gust_keys: UInt64Array
@@ -152,22 +153,28 @@ class Field:
     _flow: Flow
     _shelter: Shelter
     _wind: BoundKernel[FloatArray] = field(init=False)
+    _free_wind: BoundKernel[FloatArray] = field(init=False)
+    _stream: BoundKernel[FloatArray] = field(init=False)
     _current: BoundKernel[FloatArray] = field(init=False)
     _item_noise: BoundKernel[FloatArray] = field(init=False)
 
     @classmethod
     def create(
         cls,
-        settings: WeatherSettings,
+        weather: Weather,
         keys: UInt64Array,
         graph: NavigationGraph | None = None,
-    ) -> "Field":
-        """Draw the weather of a batch of episodes.
+        period_s: float = 1.0,
+        north_deg: float = 0.0,
+    ) -> "Forcing":
+        """Draw wind and water of a batch of episodes.
 
         Parameters
         ----------
         keys : (episode,) episode keys
-        graph : the map; None: the open sea
+        graph : the map; None: the open sea, where a node is 1 m
+        period_s : of a decision, for drift and noise in nodes
+        north_deg : bearing of the map's y axis, clockwise from true north
 
         Raises
         ------
@@ -175,29 +182,34 @@ class Field:
             As `flow_in`.
         """
         keys = np.ascontiguousarray(keys, np.uint64)
-        toward, flow = _radians(settings.wind_toward_deg), _radians(settings.current_toward_deg)
-        wind = steady_vectors(keys, Stream.WEATHER, settings.wind_speed_mps, toward)
-        drawn = _drawn_vectors(keys, settings.drawn_drift_mps) / LEEWAY
+        node_mps = (1.0 if graph is None else graph.pitch_m) / period_s
+        wind = steady_wind(keys, weather, node_mps, north_deg)
         return cls(
-            settings,
-            wind + drawn,
-            steady_vectors(keys, Stream.CURRENT, settings.current_speed_mps, flow),
+            weather,
+            graph,
+            node_mps,
+            period_s,
+            wind.drift_rc,
+            wind.wind_mps,
+            steady_current(keys, weather, north_deg),
             _stream_keys(keys, Stream.GUSTS),
             _stream_keys(keys, Stream.CURRENT),
             _stream_keys(keys, Stream.NOISE),
-            flow_in(settings, graph),
-            NO_SHELTER if graph is None else shelter_of(graph, settings.shelter_height_m),
+            flow_in(weather, graph),
+            NO_SHELTER if graph is None else shelter_of(graph, weather.shelter_height_m),
         )
 
     def __post_init__(self) -> None:
-        settings, flow = self.settings, self._flow
-        gusts = self._gust_keys, settings.gust_intensity, settings.gust_tau_s, self._shelter
-        drawn = self._current_keys, settings.current_wander_mps, settings.circulation_mps
+        weather, flow = self.weather, self._flow
+        gusts = self.mean_wind_mps, self._gust_keys, weather.gust_intensity, weather.gust_tau_s
+        wander = self.mean_current_mps, self._current_keys, weather.current_wander_mps
         streams = flow.patches, flow.spacing_m, flow.corner_m
-        noise = self._noise_keys, settings.item_noise_mps, settings.item_noise_period_s
+        noise = self._noise_keys, weather.noise_node_per_step * self.node_mps, self.period_s
         bound = {
-            "_wind": BoundKernel(_wind, self.mean_wind_mps, *gusts),
-            "_current": BoundKernel(_current, self.mean_current_mps, *drawn, *streams),
+            "_wind": BoundKernel(_wind, *gusts, self._shelter),
+            "_free_wind": BoundKernel(_wind, *gusts, NO_SHELTER),
+            "_stream": BoundKernel(_current, *wander, 0.0, OPEN_SEA.patches, 1.0, 0.0),
+            "_current": BoundKernel(_current, *wander, weather.circulation_mps, *streams),
             "_item_noise": BoundKernel(_item_noise, *noise),
         }
         for name, query in bound.items():
@@ -206,8 +218,41 @@ class Field:
     def __len__(self) -> int:
         return int(self.mean_wind_mps.shape[0])
 
+    def carried_rc(self, t_s: ArrayLike, rc: FloatArray, leeway: FloatArray) -> FloatArray:
+        """Steady velocity of items in the mean wind, weaker in the lee, and in the current.
+
+        An item that has share L of the wind in still water has L of the wind and 1 - L of a
+        current, whatever their directions: its drags balance there.
+
+        Parameters
+        ----------
+        rc : (episode, place, 2) where, on a map [node]
+        leeway : (episode, place) share of the wind, or one for all
+
+        Returns
+        -------
+        (episode, place, 2) [node/step]
+        """
+        assert self.graph is not None
+        xy, leeway = self.graph.metres(rc), np.broadcast_to(leeway, rc.shape[:2])
+        current, share = self.current(t_s, xy), self.sheltered(xy)
+        current_rc = to_rc(current) * self.period_s / self.graph.pitch_m
+        by_wind = (np.round(leeway / LEEWAY, _DIGITS) * share)[..., None] * self.drift_rc[:, None]
+        result: FloatArray = by_wind + (1.0 - leeway)[..., None] * current_rc
+        return result
+
     def _times(self, t_s: ArrayLike) -> FloatArray:
         return np.ascontiguousarray(np.broadcast_to(np.asarray(t_s, np.float64), (len(self),)))
+
+    def at(self, t_s: ArrayLike, xy: FloatArray) -> WindAndWater:
+        """Wind and current at points (episode, point, 2) [m]."""
+        return WindAndWater(self.wind(t_s, xy), self.current(t_s, xy))
+
+    def open_water(self, t_s: ArrayLike, gusts: bool = True) -> WindAndWater:
+        """Free wind and free stream (episode, 2): without lee, quays and circulation."""
+        times, anywhere = self._times(t_s), np.zeros((len(self), 1, 2))
+        wind = self._free_wind(times, anywhere)[:, 0] if gusts else self.mean_wind_mps
+        return WindAndWater(wind, self._stream(times, anywhere)[:, 0])
 
     def wind(self, t_s: ArrayLike, xy: FloatArray) -> FloatArray:
         """Wind over ground at points (episode, point, 2) [m], of the same shape [m/s].
@@ -234,7 +279,7 @@ class Field:
     def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:
         """Velocity (episode, item, 2) [m/s] that an item's own water adds to the current.
 
-        It is constant for a period: period n starts at n `item_noise_period_s` and has the draws
+        It is constant for a decision: decision n starts at n `period_s` and has the draws
         of the graph's step n + 1.
         """
         return self._item_noise(self._times(t_s), items)

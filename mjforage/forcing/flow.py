@@ -27,10 +27,10 @@ import numpy as np
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
 from mjforage.base.views import read_only
+from mjforage.forcing.stream_element import EAST, NORTH, TURN, FloatArray, stream_velocity
+from mjforage.forcing.stream_solver import shore_unknowns, still_unknowns, stream_functions
 from mjforage.graph_planner.graph.navigation import NavigationGraph
-from mjforage.physics.weather.settings import WeatherSettings
-from mjforage.physics.weather.stream_element import EAST, NORTH, TURN, FloatArray, stream_velocity
-from mjforage.physics.weather.stream_solver import shore_unknowns, still_unknowns, stream_functions
+from mjforage.scenario.scenario import Weather
 
 FINEST = 3  # elements along a cell
 LAYER = 0.5  # L, width of the layer at quays [cell]; an estimate, half the narrowest corridor
@@ -105,7 +105,7 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
     return Flow(read_only(patches), spacing_m, -0.5 * graph.pitch_m)
 
 
-def flow_in(settings: WeatherSettings, graph: NavigationGraph | None) -> Flow:
+def flow_in(weather: Weather, graph: NavigationGraph | None) -> Flow:
     """Flow of streams and circulation on a map.
 
     Parameters
@@ -118,20 +118,20 @@ def flow_in(settings: WeatherSettings, graph: NavigationGraph | None) -> Flow:
         If there shall be a circulation without a map, or a stream on a map without water at its
         edge.
     """
-    turning = settings.circulation_mps != 0.0
+    turning = weather.circulation_mps != 0.0
     if graph is None:
         if turning:
             raise UserError(
-                f"weather: circulation_mps = {settings.circulation_mps:g} without a map; "
+                f"weather: circulation_mps = {weather.circulation_mps:g} without a map; "
                 "give a map, or 0"
             )
         return OPEN_SEA
     for name in ("current_speed_mps", "current_wander_mps"):
-        speed = getattr(settings, name)
+        speed = getattr(weather, name)
         if speed and not has_open_border(graph):
             raise UserError(
                 f"weather: {name} = {speed:g} on a map without water at its edge, where a current "
                 "would come in and go out; open the edge, or set weather.circulation_mps instead"
             )
-    streaming = settings.current_speed_mps > 0.0 or settings.current_wander_mps > 0.0
+    streaming = weather.current_speed_mps > 0.0 or weather.current_wander_mps > 0.0
     return flow_of(graph, streaming, turning) if streaming or turning else OPEN_SEA

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mjforage.physics.weather.elimination import least_of_elements
-from mjforage.physics.weather.stream_element import FloatArray, element_matrix
+from mjforage.forcing.elimination import least_of_elements
+from mjforage.forcing.stream_element import FloatArray, element_matrix
 
 
 def shore_unknowns(water: NDArray[np.bool_]) -> NDArray[np.int64]:

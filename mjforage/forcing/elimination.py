@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.physics.weather.stream_element import FloatArray
+from mjforage.forcing.stream_element import FloatArray
 
 IntArray: TypeAlias = NDArray[np.int64]
 

@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mjforage.base.randomness import Stream, episode_keys, stream_key
-from mjforage.physics.weather.gauss_markov import (
+from mjforage.forcing.gauss_markov import (
     LEVELS,
     ROOT,
     SMALLEST,
