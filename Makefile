@@ -113,6 +113,7 @@ mujoco: $(VENV)/mujoco-$(MUJOCO)/.installed
 # Their own warnings are not ours: what is deprecated today was not when they were made.
 OLD := tests/mjforage/scenario tests/mjforage/mission tests/mjforage/physics/callback tests/mjforage/physics/scene \
 	tests/mjforage/physics/simulation tests/mjforage/runs/test_evaluate.py tests/mjforage/runs/test_storage.py \
+	tests/mjforage/runs/test_exported_tracks.py tests/mjforage/runs/test_live_stream.py \
 	tests/mjforage/runs/test_tables.py tests/mjforage/runs/test_resuming.py tests/mjforage/cli/test_maps.py \
 	tests/mjforage/cli/test_run_folders.py tests/mjforage/view/render/test_video.py
 
@@ -121,6 +122,7 @@ $(VENV)/lowest/.installed: lowest.txt constraints.txt pyproject.toml
 	$(PYTHON) -m venv $(@D)
 	$(@D)/bin/pip install --quiet --requirement lowest.txt
 	$(@D)/bin/pip install --quiet --constraint constraints.txt pytest pytest-xdist hypothesis jsonschema
+	$(@D)/bin/pip install --quiet 'numpy==2.1.0' 'rosbags==0.10.11'
 	$(@D)/bin/pip install --quiet --no-deps --editable .
 	$(@D)/bin/pip check
 	touch $@

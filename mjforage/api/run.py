@@ -2,7 +2,7 @@
 
 import shutil
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -247,8 +247,7 @@ class Run(Pictures):
 
         Parameters
         ----------
-        folder, to : as of `Scenario.export`; the scene has a keyframe per decision, and
-            `tracks.csv` beside it every recorded pose
+        folder, to : as of `Scenario.export`, with the whole episode
         policy, world : of the run; by default its first
 
         Raises
@@ -261,6 +260,39 @@ class Run(Pictures):
         where = checks.path("folder", folder), checks.text("to", to)
         which: dict[str, Any] = {"world": world, "episode": episode}
         return write_export(self.scenario, lambda: self.recording(policy, **which), *where)
+
+    def stream(
+        self,
+        *,
+        policy: str | None = None,
+        world: str | None = None,
+        episode: int = 0,
+        port: int = 8765,
+        speed: float = 10.0,
+        ready: Callable[[str], None] = print,
+    ) -> None:
+        """Serve an episode live to a viewer on this machine, such as Foxglove.
+
+        It begins when a viewer has subscribed to a topic, and returns after the last message.
+
+        Parameters
+        ----------
+        policy, world, episode : as of `export`
+        port : of this machine; 0 for any that is free
+        speed : simulated seconds per second
+        ready : called with the address, such as ``ws://127.0.0.1:8765``
+
+        Raises
+        ------
+        UserError
+            As `film` if the run has no such episode; if the port is taken.
+        """
+        from mjforage.runs.exporting.live import stream
+
+        at = checks.whole("port", port, 0, 65535), checks.real("speed", speed, 0)
+        checks.function("ready", ready)
+        shown = self.recording(policy, world=world, episode=episode)
+        stream(self.scenario, shown, *at, ready)
 
     def _table(self, name: str) -> pl.DataFrame:
         if not (self._folder / "run.json").is_file():

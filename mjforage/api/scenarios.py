@@ -126,8 +126,8 @@ class Scenario(Setup):
         Parameters
         ----------
         folder : empty or not there yet
-        to : "mjcf": a scene that opens in MuJoCo without mjforage, with a README of the forces
-            that are not in it
+        to : "csv", "geojson", "gpx", "mcap" (ROS 2), "mjcf" (a scene for MuJoCo), "netcdf", or
+            "qgc" (mission files of ArduPilot)
         seed, episode : as of `Mission.reset`
 
         Raises

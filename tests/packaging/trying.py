@@ -33,7 +33,7 @@ USERS_OWN = (
 
 EXTRAS = (
     *("av", "distributed", "stable_baselines3", "tensorboard", "tensordict", "torch"),
-    *("torchrl", "pyogrio", "pyproj", "shapely"),
+    *("torchrl", "pyogrio", "pyproj", "shapely", "mcap", "mcap_ros2", "foxglove", "xarray"),
 )
 """Modules that an installation without extras lacks."""
 

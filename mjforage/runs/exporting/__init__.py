@@ -8,9 +8,20 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
+from mjforage.runs.exporting.cf import netcdf_files
+from mjforage.runs.exporting.charts import csv_files, geojson_files, gpx_files, qgc_files
 from mjforage.runs.exporting.mjcf import mjcf_files
+from mjforage.runs.exporting.ros import mcap_files
 
-FORMATS: Mapping[str, Callable[[Setup, Recording], dict[str, bytes]]] = {"mjcf": mjcf_files}
+FORMATS: Mapping[str, Callable[[Setup, Recording], dict[str, bytes]]] = {
+    "mjcf": mjcf_files,
+    "csv": csv_files,
+    "geojson": geojson_files,
+    "gpx": gpx_files,
+    "mcap": mcap_files,
+    "netcdf": netcdf_files,
+    "qgc": qgc_files,
+}
 """Name -> files, by their names, of an episode; of a scenario the episode has its start alone."""
 
 

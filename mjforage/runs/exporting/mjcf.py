@@ -2,7 +2,6 @@
 
 import mujoco
 import numpy as np
-import polars as pl
 from numpy.typing import NDArray
 
 from mjforage.mission.setup import Setup
@@ -14,6 +13,8 @@ from mjforage.physics.simulation import Integrator
 from mjforage.physics.vessels import Vessel
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.exporting.callback_forces import readme
+from mjforage.runs.exporting.charts import vessel_rows
+from mjforage.runs.exporting.tracks import Tracks
 
 
 def mjcf_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
@@ -32,13 +33,9 @@ def mjcf_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
     for k, place in enumerate(frames[:: round(recording.period_s / recording.frame_s)]):
         spec.add_key(name=f"decision-{k}", time=k * recording.period_s, qpos=place)
     compiled(spec, f"scenario {setup.scenario.name}")
-    rows = pl.DataFrame(recording.track_pose.reshape(-1, 3), ["x_m", "y_m", "yaw_rad"])
-    times = recording.frame_s * np.arange(len(frames))
-    when = pl.Series("t_s", times.repeat(len(vessels)))
-    who = pl.Series("vessel", [*recording.labels] * len(frames))
     return {
         "scene.xml": spec.to_xml().encode(),
-        "tracks.csv": rows.select(when, who, pl.all()).write_csv().encode(),
+        "tracks.csv": vessel_rows(Tracks(setup, recording)).write_csv().encode(),
         "README.md": readme(setup, recording, vessels).encode(),
     }
 

@@ -125,7 +125,9 @@ def test_version_and_help(command: Callable[..., Any]) -> None:
     assert command().out == text
 
 
-IN_NO_NEW_PLACE = ("policies", "metrics", "scenarios", "validate", "vessels", "compile", "report")
+IN_NO_NEW_PLACE = (
+    *("policies", "metrics", "scenarios", "validate", "vessels", "compile", "report", "stream"),
+)
 
 
 def test_every_command_that_writes_takes_the_same_flag() -> None:

@@ -32,6 +32,10 @@ def test_a_scenario_and_a_run_are_exported(command: Callable[..., Any], folder: 
     ("arguments", "words"),
     [
         (["comb-port", "--to", "mcjf"], "format mcjf: unknown; did you mean mjcf?"),
+        (
+            ["comb-port", "--to", "geojson"],
+            "format geojson: needs latitude and longitude; map comb",
+        ),
         (["comb-port", "--to", "mjcf", "--world", "graph"], "--world: is for the export of a run"),
         (["RUN", "--to", "mjcf", "--seed", 1], "--seed: is for the export of a scenario"),
         (["RUN", "--to", "mjcf", "--episode", 2], "episode 2: give 0 to 1"),

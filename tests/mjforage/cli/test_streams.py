@@ -1,6 +1,7 @@
 """Commands whose output is closed, or lacks letters or space."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -48,3 +49,16 @@ def test_an_encoding_without_our_letters_is_no_fault(tmp_path: Path) -> None:
     assert done.stdout == b"h?fn.csv: 2 x 2, 4 nodes\n"
     told = shell("mjforage scenarios comb-port", tmp_path, PYTHONIOENCODING="ascii")
     assert told.stdout == shell("mjforage scenarios comb-port", tmp_path).stdout
+
+
+def test_a_live_stream_tells_its_address_and_ends_by_ctrl_c(folder: Path, tmp_path: Path) -> None:
+    arguments = [*COMMAND.split(), "stream", str(folder), "--port", "0"]
+    root = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3]), "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(
+        arguments, cwd=tmp_path, env=root, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as serving:
+        assert serving.stdout is not None and serving.stderr is not None
+        assert serving.stdout.readline().startswith("stream: ws://127.0.0.1:")
+        serving.send_signal(signal.SIGINT)
+        assert "interrupted" in serving.stderr.read()
+    assert serving.returncode == 130
