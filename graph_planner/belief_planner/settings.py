@@ -6,6 +6,9 @@ from typing import Annotated, Self
 from mjforage.base.fields import Within
 from mjforage.scenario.prior import Prior
 
+LAW_OF_ITEMS = "their law"
+"""What planners are told of the items, as `[prior]` has it: number, clusters, spread, drift."""
+
 
 @dataclass(frozen=True, eq=False)
 class BeliefOptions:

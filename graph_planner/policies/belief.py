@@ -4,12 +4,14 @@ It uses the shared belief map, the agents' nodes, the step and the map, its own 
 scenario's `[prior]`; never the truth.
 """
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
-from mjforage.graph_planner.belief_planner.settings import BeliefOptions
+from mjforage.graph_planner.belief_planner.settings import LAW_OF_ITEMS, BeliefOptions
 from mjforage.graph_planner.policies.registry import register
 from mjforage.mission.task import Observation, Task
 from mjforage.scenario.schema import check_fields
@@ -18,6 +20,8 @@ from mjforage.scenario.schema import check_fields
 @register("belief")
 class BeliefPolicy(BeliefOptions):
     """Plans on a belief: tracks, drift, hotspots, joint routes and planned sweeps."""
+
+    told: ClassVar[str] = LAW_OF_ITEMS
 
     def __post_init__(self) -> None:
         check_fields(self, "policy belief")

@@ -83,6 +83,7 @@ class ShippedPolicy(QPolicy):
     """
 
     weights: ClassVar[str]  # name of the file in `models/weights`
+    told: ClassVar[str] = "their law, by training"
     kind: ClassVar[str] = Q_NETWORK  # of `mjforage.graph_planner.networks.weights.KINDS`
 
     def __init__(self) -> None:

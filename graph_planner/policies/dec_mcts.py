@@ -17,7 +17,7 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.foraging import Foraging
 from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
 from mjforage.graph_planner.belief_planner.scouting import Scouting
-from mjforage.graph_planner.belief_planner.settings import BeliefSettings
+from mjforage.graph_planner.belief_planner.settings import LAW_OF_ITEMS, BeliefSettings
 from mjforage.graph_planner.dec_mcts.foraging import TreeForaging
 from mjforage.graph_planner.dec_mcts.scouting import TreeScouting
 from mjforage.graph_planner.dec_mcts.search import DecisionContext, TreeOptions
@@ -64,6 +64,8 @@ class DecMctsPolicy:
     depth : most stops, or moves, in a sequence
     trust : decisions unheard of after which a team-mate is counted on half of the time
     """
+
+    told = LAW_OF_ITEMS
 
     def __init__(
         self,

@@ -206,6 +206,18 @@ def policy_summary(name: str) -> str:
     return ((POLICIES.find(name).__doc__ or "").strip().splitlines() or [""])[0]
 
 
+def policy_told(text: str) -> str:
+    """What a policy is told of an episode's items before it, for tables; "" if nothing.
+
+    Its attribute `told`; an upper bound is told the items. "" for an unknown one.
+    """
+    try:
+        made = _bound(text)[1]
+    except UserError:
+        return ""
+    return "the items" if hasattr(made, "set_ground_truth") else str(getattr(made, "told", ""))
+
+
 def is_upper_bound(text: str) -> bool:
     """True for a policy that gets the ground truth; an unknown one does not."""
     try:

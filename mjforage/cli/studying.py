@@ -170,7 +170,8 @@ def board(
     courses
         SCENARIO or SCENARIO@WORLD: a preset (see `mjforage scenarios`) or a TOML file, in the graph
         world unless another is named. Default: comb-port published open-bay channels
-        comb-port-weather comb-port-radio comb-port@physics comb-port-weather@physics. Without
+        comb-port-weather comb-port-radio comb-port-few comb-port-clusters comb-port@physics
+        comb-port-weather@physics. Without
         --policy all policies that have a name play; one that cannot play a course is left out of
         it, and the page says why.
     map

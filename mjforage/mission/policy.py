@@ -15,7 +15,8 @@ class Policy(Protocol):
     Its class is called without arguments, or with the options of a reference as keywords. A policy
     whose moves hang on files names them in an attribute `files`, a tuple of paths: what is in them
     is then part of what a run is. So is the source of the classes in an attribute `parts`, a tuple
-    of those that it finds by their names, such as an observation encoder.
+    of those that it finds by their names, such as an observation encoder. A text in an attribute
+    `told` says in tables what it knows of the items before an episode.
     """
 
     def reset(self, task: Task, keys: UInt64Array) -> None:

@@ -13,7 +13,7 @@ from mjforage.scenario.scenario_file import load_scenario
 
 USUAL = (
     *("comb-port", "published", "open-bay", "channels", "comb-port-weather", "comb-port-radio"),
-    *("comb-port@physics", "comb-port-weather@physics"),
+    *("comb-port-few", "comb-port-clusters", "comb-port@physics", "comb-port-weather@physics"),
 )
 """Tasks of the board unless others are named."""
 RULES = "comb-port"  # of tasks on a map

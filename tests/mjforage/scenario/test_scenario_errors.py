@@ -119,8 +119,9 @@ def test_missing_keys_are_all_named(tmp_path: Path) -> None:
         ("comb-prot", "did you mean comb-port?"),
         (
             "zzz",
-            "choose channels, comb-port, comb-port-gnss, comb-port-radio, comb-port-weather, "
-            "comb-port-wind-5, comb-port-wind-8, open-bay, published",
+            "choose channels, comb-port, comb-port-clusters, comb-port-few, comb-port-gnss, "
+            "comb-port-radio, comb-port-weather, comb-port-wind-5, comb-port-wind-8, "
+            "open-bay, published",
         ),
         ("missing.toml", "neither a shipped scenario nor a TOML file"),
         ("a" * 5000 + ".toml", "cannot be opened"),

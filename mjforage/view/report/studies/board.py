@@ -1,6 +1,13 @@
 """The leaderboard: every policy on several tasks, together and one by one, with descriptions."""
 
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
 from mjforage.runs.studies.board import CEILING
+from mjforage.scenario.prior import Prior
+from mjforage.scenario.scenario import Items
 from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.cells import INTERVAL
@@ -18,13 +25,23 @@ from mjforage.view.report.studies.study_logs import StudyLogs
 
 
 def tasks_table(board: Board) -> Table:
-    """Rules, map, world and link of each task."""
+    """Rules, map, world and link of each task, and whether its items have the law told."""
     rows = []
     for task, logs in board.logs.runs.items():
-        link = logs.run.scenario.get("link", {}).get("model", "ideal")
-        rows.append(Row(task, (logs.run.name, map_words(logs.run), logs.run.worlds[0], str(link))))
-    columns = ("rules", "map", "world", "link")
+        run = logs.run
+        link = run.scenario.get("link", {}).get("model", "ideal")
+        items = "as told" if as_told(run.scenario) else "**not as told**"
+        rows.append(Row(task, (run.name, map_words(run), run.worlds[0], str(link), items)))
+    columns = ("rules", "map", "world", "link", "items")
     return Table("tasks", "Tasks", columns, tuple(rows), head="task", wordy=True)
+
+
+def as_told(scenario: Mapping[str, Any]) -> bool:
+    """True if a scenario's items have the number, clusters and spread that its planners assume."""
+    items, prior = asdict(Items()) | scenario["items"], asdict(Prior()) | scenario.get("prior", {})
+    drawn = items["hotspots"], items["mean"], items["std"], math.sqrt(items["covariance_node2"])
+    assumed = (prior[key] for key in ("hotspots", "items", "items_sd", "spread_node"))
+    return all(math.isclose(a, b, rel_tol=0.01) for a, b in zip(drawn, assumed, strict=True))
 
 
 def _absent(logs: StudyLogs) -> Table:
@@ -46,7 +63,9 @@ def sections(logs: StudyLogs) -> list[Section]:
     standing = Standing.of(board)
     together = (
         f"`{CEILING}` receives the true items and their drift: an upper bound, and not ranked. All "
-        "policies of a task play the same episodes. No policy is left out for doing badly."
+        "policies of a task play the same episodes. No policy is left out for doing badly. *Told "
+        "of items*: their law is what `[prior]` says, 75 ± 10 items in one cluster, its spread and "
+        "the range of the drift, as most scenarios draw them."
     )
     means = (
         f"{INTERVAL}. {MARKED} Decision: CPU time that the policy takes to "

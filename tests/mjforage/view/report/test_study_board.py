@@ -7,6 +7,7 @@ import pytest
 
 from mjforage.metrics import compared
 from mjforage.runs.costs import Cost
+from mjforage.scenario.scenario_file import load_scenario, scenario_to_tree
 from mjforage.view.page.style import policy_colour
 from mjforage.view.page.table import NOTHING, Row, Table
 from mjforage.view.report.studies import board as page
@@ -180,8 +181,9 @@ def test_the_time_of_decisions_is_of_warm_chunks_if_there_are_any(made: StudyLog
 def test_the_table_of_all_courses_has_the_best_first_and_bounds_last(board: Board) -> None:
     table = overall_table(Standing.of(board))
     assert [one.head for one in table.rows] == ["greedy", "levy", "random", "oracle (bound)"]
-    assert table.columns[:3] == ("all scores", "PTA_C", "NT_90"), "no column without a score"
-    assert table.better == (1, 1, 1, 1, -1, -1, 0), "normalised, NT90 too is better upwards"
+    scored = ("all scores", "PTA_C", "NT_90")
+    assert table.columns[:4] == ("told of items", *scored), "no column without a score"
+    assert table.better == (0, 1, 1, 1, 1, -1, -1, 0), "normalised, NT90 too is better upwards"
     place = table.columns.index("best")
     won = {one.head: one.cells[place] for one in table.rows}
     judged = sum(board.told(cell) for cell in board.cells)
@@ -249,3 +251,21 @@ def test_the_command_on_the_page_names_no_folder(made: StudyLogs) -> None:
     assert command_of(glued) == "mjforage study board a"
     called = replace(made, info=replace(made.info, command="made in Python (mjforage.board)"))
     assert command_of(called) == "# made in Python (mjforage.board)"
+
+
+def test_policies_stand_beside_what_they_are_told(board: Board) -> None:
+    table = overall_table(Standing.of(board))
+    at = table.columns.index("told of items")
+    told = {one.head: one.cells[at] for one in table.rows}
+    assert told["greedy"] == NOTHING
+    assert told["oracle (bound)"] == "the items"
+
+
+@pytest.mark.parametrize(
+    ("preset", "same"),
+    [("comb-port", True), ("published", True), ("comb-port-few", False)],
+)
+def test_items_of_another_law_are_noticed(preset: str, same: bool) -> None:
+    assert page.as_told(scenario_to_tree(load_scenario(preset))) is same
+    three = scenario_to_tree(load_scenario(preset, ["prior.hotspots=3"]))
+    assert not page.as_told(three)
