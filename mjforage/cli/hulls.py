@@ -7,7 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter, validators
 from rich.table import Table
 
-from mjforage.cli.console import OUT, app, print_file, print_list, print_table
+from mjforage.cli.console import OUT, app, output, print_file, print_list, print_table
 
 Flow = Parameter(allow_leading_hyphen=True)  # so that a speed below 0 gets an error of its own
 
@@ -114,6 +114,41 @@ def calibrate(
         words = ", ".join(f"{share:.2f}" for share in shares)
         table.add_row(cell.quays, f"{cell.from_m:g}", f"{cell.from_deg:g}", words)
     print_table(table)
+
+
+@app.command(name="estimate-vessel")
+def estimate_vessel(
+    *,
+    length: float,
+    beam: float,
+    mass: float,
+    thrust: float,
+    top_speed: float,
+    output_file: Annotated[Path, OUT],
+) -> None:
+    """Write the file of a vessel from a few numbers, every other number marked as an estimate.
+
+    Parameters
+    ----------
+    length
+        Length [m].
+    beam
+        Width [m].
+    mass
+        Mass with payload [kg].
+    thrust
+        Thrust ahead of both thrusters together, moored [N].
+    top_speed
+        Speed with that command [m/s].
+    output_file
+        TOML file to write.
+    """
+    from mjforage.base.atomic_files import write_bytes
+    from mjforage.physics.vessel_estimates import estimate_vessel as estimated
+
+    text = estimated(length, beam, mass, thrust, top_speed)
+    write_bytes(output_file, text.encode())
+    output.print(f"vessel: {output_file}", soft_wrap=True)
 
 
 @app.command
