@@ -11,7 +11,7 @@ from mjforage.cli.console import FOLDER, app, print_list
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _NOTE = "<!-- Written by `mjforage schemas --pages docs/reference`; edit the {} instead. -->"
-_STARTED_AS = re.compile(r"^(mjforage [\w ]*\w) -m \S+", re.MULTILINE)  # usage under `python -m`
+_STARTED_AS = re.compile(r"^(mjforage [\w -]*?\w) -m \S+", re.MULTILINE)  # usage under `python -m`
 COMMANDS = "command-line"  # name of the page of all commands
 
 
@@ -75,10 +75,13 @@ def schemas(*, out: Annotated[Path | None, FOLDER] = None, pages: Path | None = 
 
 def schema_text(name: str, schema: Any) -> str:
     """The JSON Schema of a file as text."""
+    from mjforage.scenario.scenario_file import with_extends
     from mjforage.scenario.schema import json_schema
 
     head = {"$schema": _DIALECT, "title": f"mjforage {name}"}
-    return json.dumps(head | {**json_schema(schema), **head}, indent=1) + "\n"
+    tree = json_schema(schema)
+    tree = with_extends(tree) if name == "scenario" else tree
+    return json.dumps(head | {**tree, **head}, indent=1) + "\n"
 
 
 def _in_order(text: str, level: str = "##") -> str:

@@ -51,8 +51,8 @@ def load_scenario(
 ) -> Scenario:
     """Read a preset or a file, replace the grid, then apply `KEY=VALUE` overrides in order.
 
-    Paths in a file start from the folder of that file, those of overrides from the working
-    directory.
+    A file may begin with `extends`: what it lacks is as in that scenario. Paths in a file start
+    from the folder of that file, those of overrides from the working directory.
 
     Parameters
     ----------
@@ -68,8 +68,7 @@ def load_scenario(
         For anything that is not a valid scenario.
     """
     path = scenario_path(reference)
-    tree = read_toml(path, f"scenario {path.name}")
-    _start_paths(tree, path.parent)
+    tree = _extended(path)
     if map_file is not None:
         _put(tree, ["map", "file"], map_file, f"map {map_file}")
         tree["map"].pop("water", None)
@@ -88,6 +87,54 @@ def load_scenario(
         return scenario_from_tree(tree, f"scenario {path.stem}")
     except UserError as error:
         raise _near_miss(overrides, names, error) or error from error
+
+
+def _extended(path: Path, *above: Path) -> Tree:
+    """The tree of a file, laid over that of the scenario which it extends."""
+    tree = read_toml(path, f"scenario {path.name}")
+    _start_paths(tree, path.parent)
+    if "extends" not in tree:
+        return tree
+    base = tree.pop("extends")
+    where = f"scenario {path.stem}: extends = {shown(base)}"
+    if not isinstance(base, str):
+        raise UserError(f"{where}, expected the name of a scenario or a TOML file")
+    below = scenario_path(base if base in preset_names() else str(path.parent / base))
+    if below.resolve() in (one.resolve() for one in (*above, path)):
+        raise UserError(f"{where}: leads back to {path.name}; name another scenario")
+    tree.setdefault("name", path.stem)
+    found = _extended(below, *above, path)
+    if isinstance(choice := tree.get("map"), dict) and "file" in choice:
+        found.pop("map", None)  # pitch and starts are of the other map
+    return _laid_over(found, tree)
+
+
+def _laid_over(below: Tree, above: Tree) -> Tree:
+    """Both trees; where both have a value, that of `above`."""
+    both = {key: below[key] for key in above if key in below}
+    merged = {
+        key: _laid_over(value, above[key])
+        for key, value in both.items()
+        if isinstance(value, dict) and isinstance(above[key], dict)
+    }
+    return below | above | merged
+
+
+def with_extends(schema: Tree) -> Tree:
+    """The JSON Schema of scenario files: what is required is so in a file without `extends`."""
+    words = "Scenario that this one extends: a name, or a file; what is not given is as there."
+    properties = {"extends": {"description": words, "type": "string"}, **schema["properties"]}
+    tables = {key: dict(table) for key, table in schema["$defs"].items()}
+    choice, role = ({"required": tables[key].pop("required")} for key in ("MapChoice", "Role"))
+    needed = {"map": choice, "team": {"additionalProperties": role}}
+    whole = {"required": schema["required"], "properties": needed}
+    rest = {key: value for key, value in schema.items() if key != "required"}
+    return rest | {
+        "properties": properties,
+        "if": {"not": {"required": ["extends"]}},
+        "then": whole,
+        "$defs": tables,
+    }
 
 
 def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> UserError | None:
