@@ -13,8 +13,8 @@ from mjforage.base.atomic_files import atomic_write, write_errors
 from mjforage.base.errors import UserError
 from mjforage.base.kernel_cache import kernel_folder
 from mjforage.base.references import file_label
-from mjforage.physics.quantities import Quantity
 from mjforage.physics.vessels import Vessel, check_vessel
+from mjforage.scenario.quantities import Quantity
 from mjforage.scenario.schema import NotInFile, check
 
 

@@ -20,12 +20,12 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     from mjforage.learning.training.hyperparameters import Hyperparameters
     from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
     from mjforage.learning.training.training_info import TrainingInfo
-    from mjforage.physics.scene import DebrisClass
     from mjforage.physics.vessels import Vessel
     from mjforage.runs.costs import Costs
     from mjforage.runs.run_info import RunInfo
     from mjforage.runs.studies.study import StudyInfo
     from mjforage.scenario.capture import Capture
+    from mjforage.scenario.debris import DebrisClass
     from mjforage.scenario.place import Place
     from mjforage.scenario.scenario import Scenario
 

@@ -218,7 +218,7 @@ class Forcing:
     def __len__(self) -> int:
         return int(self.mean_wind_mps.shape[0])
 
-    def carried_rc(self, t_s: ArrayLike, rc: FloatArray, leeway: FloatArray) -> FloatArray:
+    def carried_rc(self, t_s: ArrayLike, rc: FloatArray, leeway: FloatArray | float) -> FloatArray:
         """Steady velocity of items in the mean wind, weaker in the lee, and in the current.
 
         An item that has share L of the wind in still water has L of the wind and 1 - L of a
@@ -234,7 +234,7 @@ class Forcing:
         (episode, place, 2) [node/step]
         """
         assert self.graph is not None
-        xy, leeway = self.graph.metres(rc), np.broadcast_to(leeway, rc.shape[:2])
+        xy, leeway = self.graph.metres(rc), np.broadcast_to(np.float64(leeway), rc.shape[:2])
         current, share = self.current(t_s, xy), self.sheltered(xy)
         current_rc = to_rc(current) * self.period_s / self.graph.pitch_m
         by_wind = (np.round(leeway / LEEWAY, _DIGITS) * share)[..., None] * self.drift_rc[:, None]

@@ -5,6 +5,7 @@ Order (definitions, section 1): all move; foragers remove every item in their no
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +13,18 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all
-from mjforage.forcing.steady import steady_wind
+from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, NavigationGraph
-from mjforage.mission.capture_chances import chances_of, pickup_of
+from mjforage.mission.capture_chances import pickup_of
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, NOBODY, Transition, start_state
 from mjforage.mission.initial_state import InitialState
-from mjforage.mission.item_rule import ItemRule
+from mjforage.mission.item_rule import item_rule
 from mjforage.mission.moves import Moves, move_length
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.scenario.place import Place
+from mjforage.scenario.place import Place, north_deg
 from mjforage.scenario.roles import Fleet
-from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario import Scenario, Weather
 
 
 @kernel
@@ -55,6 +56,11 @@ def _move(
             energy[e, a] += length
 
 
+def graph_weather(weather: Weather) -> Weather:
+    """What acts in the graph world: all but gusts, or by the paper's rule the mean wind alone."""
+    return replace(weather if weather.forced else weather.still, gust_intensity=0.0)
+
+
 class GraphDynamics:
     """The paper's world. Distances and energy are in node lengths.
 
@@ -79,12 +85,10 @@ class GraphDynamics:
             If capture is calibrated and a vessel that collects is not.
         """
         self._graph, self._trajectory, self._period_s = graph, trajectory, scenario.period_s
-        chances = chances_of(fleet, scenario)
-        self.pickup = None if chances is None else pickup_of(fleet, scenario)
-        self._weather, self._mps = scenario.weather, graph.pitch_m / scenario.period_s
-        self._north_deg = place.rotation_deg if place else 0.0
-        noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
-        self._items = ItemRule(graph, fleet, noise, walls, chances)
+        self._items = item_rule(graph, fleet, scenario, place)
+        self.pickup = None if self._items.chances is None else pickup_of(fleet, scenario)
+        self._weather = graph_weather(scenario.weather)
+        self._about = graph, scenario.period_s, north_deg(place)
         self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._yaw = np.array([math.atan2(-down, right) for down, right in OFFSETS])
 
@@ -94,8 +98,7 @@ class GraphDynamics:
         self._items.reset(initial, keys, self._state)
         if self._trajectory is not None:
             self._trajectory.start(self._period_s)
-            steady = steady_wind(keys[:1], self._weather, self._mps, self._north_deg)
-            self._wind = steady.wind_mps[0]
+            self._forcing, self._frames = Forcing.create(self._weather, keys[:1], *self._about), 0
         self._record()
         return self._state
 
@@ -116,8 +119,8 @@ class GraphDynamics:
         return self._state
 
     def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
-        """(episode, place, 2) drift of items [node/step], the same everywhere."""
-        return np.broadcast_to(self._items.drift_rc[:, None], rc.shape)
+        """(episode, place, 2) drift of items [node/step]."""
+        return self._items.drift_rc(rc, items)
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
@@ -132,4 +135,6 @@ class GraphDynamics:
             return
         state, metres = self._state, self._graph.metres
         pose = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
-        self._trajectory.record(pose, metres(state.item_rc[0]), state.item_node[0] >= 0, self._wind)
+        wind = self._forcing.open_water(self._frames * self._period_s).wind[0]
+        self._frames += 1
+        self._trajectory.record(pose, metres(state.item_rc[0]), state.item_node[0] >= 0, wind)

@@ -28,7 +28,7 @@ class InitialState:
     n_items: Int32Array  # (episode,)
     item_rc: NDArray[np.float64]  # (episode, item, 2) [node]; padded to the largest episode
     item_node: Int32Array  # (episode, item) node; -1 for padding
-    drift_rc: NDArray[np.float64]  # (episode, 2) constant drift [node/step]
+    drift_rc: NDArray[np.float64]  # (episode, 2) constant drift [node/step], 0 if it is forced
     agent_node: Int32Array  # (episode, agent)
 
     def padded(self, items: int) -> "InitialState":
@@ -199,11 +199,12 @@ def create_initial_state(
     UserError
         If there are more agents than nodes.
     """
+    drift = steady_wind(keys, weather, node_mps, north_deg).drift_rc
     counts, item_rc, item_node = read_only(_place_items(graph, items, WALLS.index(walls), keys))
     return InitialState(
         n_items=counts,
         item_rc=item_rc,
         item_node=item_node,
-        drift_rc=read_only(steady_wind(keys, weather, node_mps, north_deg).drift_rc),
+        drift_rc=read_only(np.zeros_like(drift) if weather.forced else drift),
         agent_node=read_only(_place_agents(graph, starts, n_agents, keys)),
     )

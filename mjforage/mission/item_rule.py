@@ -15,12 +15,15 @@ from mjforage.forcing.item_noise import to_symmetric
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, Water
 from mjforage.graph_planner.graph.walls import WALLS, into_water, put_back
-from mjforage.mission.capture_chances import Chances
+from mjforage.mission.capture_chances import Chances, chances_of
 from mjforage.mission.capture_rule import Stays, collect_by_chance
+from mjforage.mission.carrying import Carrier
 from mjforage.mission.dynamics import Transition
 from mjforage.mission.initial_state import InitialState, item_places
 from mjforage.mission.task import IDLE, TAKEN
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
+from mjforage.scenario.scenario import Scenario
 
 _AHEAD = 1.0 - 1e-6  # [node] of both offsets together, with room for rounding
 
@@ -33,6 +36,7 @@ class Surroundings(NamedTuple):
     places: NDArray[np.int64]  # (episode,) see `item_places`
     keys: UInt64Array  # (episode,)
     drift_rc: NDArray[np.float64]  # (episode, 2) [node/step]
+    carried: NDArray[np.float64]  # (episode, item x 2) way by wind and current, or (episode, 0)
     noise: float  # half width of the drift's random part [node/step]
     water: Water
     corners: NDArray[np.bool_]  # (node, 4) see `NavigationGraph.corners`
@@ -123,7 +127,7 @@ def _drift(
     item_rc, centre : (episode, item x 2) row, column, row, ... of the items and of their nodes
     """
     keys, drift_rc, noise, corners = around.keys, around.drift_rc, around.noise, around.corners
-    places = around.places
+    places, carried = around.places, around.carried
     water, walls = around.water, around.walls
     framed, rows, cols = water
     bottom, right_edge = framed.shape[0] - 3, framed.shape[1] - 3
@@ -140,6 +144,8 @@ def _drift(
             left = item_node[e, k] >= 0
             shift[2 * k] = to_row if left else 0.0
             shift[2 * k + 1] = to_col if left else 0.0
+        for j in range(min(carried.shape[1], 2 * n_items)):
+            shift[j] += carried[e, j] if item_node[e, j // 2] >= 0 else 0.0
         for j in range(2 * n_items):
             moved = item_rc[e, j] + shift[j]
             item_rc[e, j] = moved
@@ -229,6 +235,7 @@ class ItemRule:
         noise: float,
         walls: str,
         chances: Chances | None = None,
+        carrier: Carrier | None = None,
     ) -> None:
         """Prepare.
 
@@ -237,9 +244,10 @@ class ItemRule:
         noise : half width of the drift's random part [node/step]
         walls : boundary condition of items that drift onto land, of `WALLS`
         chances : of agents to take an item, see `chances_of`; None: they take all in their node
+        carrier : wind and current that carry items beside their constant drift, if any
         """
         self._graph, self._fleet, self._noise = graph, fleet, noise
-        self._chances, self._walls = chances, WALLS.index(walls)
+        self.chances, self._walls, self._carrier = chances, WALLS.index(walls), carrier
 
     def reset(self, initial: InitialState, keys: UInt64Array, state: Transition) -> None:
         """Start a batch of episodes.
@@ -248,6 +256,8 @@ class ItemRule:
         ----------
         state : of the world at step 0; `advance` changes its items
         """
+        if self._carrier is not None:
+            self._carrier.reset(keys, initial.item_node)
         self._begin(self._surroundings(initial, keys), Stays.of(state), state)
 
     def restart(
@@ -265,6 +275,8 @@ class ItemRule:
         fresh, state : of these episodes (row, ...) at step 0, and of the whole batch with them;
             `advance` changes the items of the latter
         """
+        if self._carrier is not None:
+            self._carrier.restart(rows, keys, initial.item_node)
         names = "keys", "places", "drift_rc", "room_left"
         around = scatter_all(self._around, rows, self._surroundings(initial, keys), only=names)
         self._begin(around, scatter_all(self._stays, rows, Stays.of(fresh)), state)
@@ -276,16 +288,18 @@ class ItemRule:
             places=item_places(initial.item_node),
             keys=keys,
             drift_rc=initial.drift_rc,
+            carried=np.empty((keys.size, 0)),
             noise=self._noise,
             water=self._graph.water,
             corners=self._graph.corners,
             walls=self._walls,
         )
 
-    @property
-    def drift_rc(self) -> NDArray[np.float64]:
-        """(episode, 2) constant drift [node/step]."""
-        return self._around.drift_rc
+    def drift_rc(self, rc: NDArray[np.float64], items: bool) -> NDArray[np.float64]:
+        """(episode, place, 2) drift now, as `Dynamics.drift_rc` [node/step]."""
+        if self._carrier is not None:
+            return self._carrier.drift_rc(rc, items)
+        return np.broadcast_to(self._around.drift_rc[:, None], rc.shape)
 
     @property
     def room_left(self) -> NDArray[np.int64]:
@@ -293,7 +307,10 @@ class ItemRule:
         return self._around.room_left
 
     def _begin(self, around: Surroundings, stays: Stays, state: Transition) -> None:
-        self._around, self._stays, water, items = around, stays, around.water, state.item_node
+        water, items = around.water, state.item_node
+        if self._carrier is not None:
+            around = around._replace(carried=np.zeros((len(items), 2 * items.shape[1])))
+        self._around, self._stays, self._item_rc = around, stays, state.item_rc
         centre = np.stack((water.rows[items], water.cols[items]), axis=-1)
         scratch = Scratch(
             draws=np.empty(items.shape[1], np.uint64),
@@ -304,7 +321,30 @@ class ItemRule:
         by_episode = len(items), -1
         places = state.item_rc.reshape(by_episode), centre.reshape(by_episode).astype(np.float32)
         fixed = around, state, *places, scratch
-        if self._chances is None:
-            self.advance = BoundKernel(_advance, *fixed)
+        if self.chances is None:
+            self._kernel = BoundKernel(_advance, *fixed)
         else:
-            self.advance = BoundKernel(_advance_by_chance, self._chances, stays, *fixed)
+            self._kernel = BoundKernel(_advance_by_chance, self.chances, stays, *fixed)
+        self.advance = self._kernel if self._carrier is None else self._carry
+
+    def _carry(self, active: NDArray[np.bool_], step: Int32Array) -> None:
+        """One step of items that wind and current carry."""
+        assert self._carrier is not None
+        way = self._carrier.carry(active, self._item_rc)
+        self._around.carried[:] = way.reshape(self._around.carried.shape)
+        self._kernel(active, step)
+
+
+def item_rule(
+    graph: NavigationGraph, fleet: Fleet, scenario: Scenario, place: Place | None
+) -> ItemRule:
+    """The rule of a scenario.
+
+    Raises
+    ------
+    UserError
+        As `chances_of` and `Carrier`.
+    """
+    carrier = Carrier(graph, scenario, place) if scenario.weather.forced else None
+    about = scenario.weather.noise_node_per_step, scenario.rules.walls
+    return ItemRule(graph, fleet, *about, chances_of(fleet, scenario), carrier)

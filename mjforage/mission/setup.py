@@ -25,7 +25,7 @@ from mjforage.scenario.maps import (
     pitch_of,
     starts_of,
 )
-from mjforage.scenario.place import Place
+from mjforage.scenario.place import Place, north_deg
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.sizes import check_memory, map_bytes, mission_bytes
@@ -167,7 +167,7 @@ class Setup:
             len(self.fleet),
             keys,
             scenario.rules.walls,
-            self.grid.place.rotation_deg if self.grid.place else 0.0,
+            north_deg(self.grid.place),
         )
 
 

@@ -19,9 +19,9 @@ from mjforage.mission.moves import Moves
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.dynamics.ticks import CONTROL_S
-from mjforage.physics.hydrodynamics.parameters import AIR_DENSITY_KGPM3
 from mjforage.physics.vessel_checks import Measure, at_most
 from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.scenario.debris import AIR_DENSITY_KGPM3
 from mjforage.scenario.roles import Role
 from mjforage.scenario.scenario import Items, MapChoice, Physics, Scenario, Weather
 

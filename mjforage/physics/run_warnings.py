@@ -18,6 +18,8 @@ RK4_LIMIT = 2.785
 Ordinary Differential Equations II", section IV.2); the fast integrator's mean accelerations are of
 one such step."""
 CURRENTS = ("current_speed_mps", "current_wander_mps", "circulation_mps")
+FORCED = ("shelter_height_m", *CURRENTS, "item_classes")
+"""Keys that forced items of the graph world feel."""
 PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics, tuple[str, ...]], ...] = (
     (
         "weather",
@@ -56,6 +58,7 @@ def _unfelt_keys(
         for key in keys
         if getattr(getattr(scenario, table), key) != getattr(nothing, key)
         and not any(_feels(each, scenario, table, key) for each in adapted)
+        and not ("graph" in worlds and scenario.weather.forced and key in FORCED)
     ]
     if unfelt:
         names = " nor ".join(worlds)
@@ -67,7 +70,10 @@ def _still_items(adapted: Sequence[Scenario]) -> Iterator[str]:
     currents = [
         f"weather.{key}"
         for key in CURRENTS
-        if any(one.physics.items == "graph" and getattr(one.weather, key) for one in adapted)
+        if any(
+            one.physics.items == "graph" and not one.weather.forced and getattr(one.weather, key)
+            for one in adapted
+        )
     ]
     if currents:
         yield (
@@ -81,7 +87,7 @@ def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:
     if key == "camera_noise_m" and adapted.physics.capture == "node":
         return False  # no vessel steers for an item, so that there is no camera
     if key == "item_classes":
-        return adapted.physics.items == "bodies"  # others have the paper's leeway
+        return adapted.physics.items == "bodies" or adapted.weather.forced  # else the paper's
     if key == "capture" and adapted.rules.capture == "calibrated":
         return True  # chances of the intake
     return bool(getattr(getattr(adapted, table), key) == getattr(getattr(scenario, table), key))

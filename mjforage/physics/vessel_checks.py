@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.physics.contact_trials import head_on, into_quay
-from mjforage.physics.hydrodynamics.parameters import AIR_DENSITY_KGPM3
 from mjforage.physics.manoeuvre.standard import shares
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessels import Vessel
+from mjforage.scenario.debris import AIR_DENSITY_KGPM3
 
 Float64Array: TypeAlias = NDArray[np.float64]
 Schedule: TypeAlias = tuple[tuple[float, float, float], ...]

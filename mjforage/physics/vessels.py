@@ -15,7 +15,7 @@ from pydantic import Discriminator
 from mjforage.base.errors import UserError
 from mjforage.base.toml_files import read_toml
 from mjforage.controllers.propulsion import WATER_DENSITY_KGPM3
-from mjforage.physics.quantities import Quantity, positive
+from mjforage.scenario.quantities import Quantity, positive
 from mjforage.scenario.schema import NotInFile, check
 from mjforage.scenario.vessel_files import vessel_path
 

@@ -11,7 +11,7 @@ from typing import Literal, get_args
 
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.mission.dynamics import Dynamics
-from mjforage.mission.graph_dynamics import GraphDynamics
+from mjforage.mission.graph_dynamics import GraphDynamics, graph_weather
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
@@ -60,6 +60,10 @@ def _whole(scenario: Scenario) -> Scenario:
     return scenario
 
 
+def _graph(scenario: Scenario) -> Scenario:
+    return replace(scenario, weather=graph_weather(scenario.weather))
+
+
 def _without_noise(scenario: Scenario) -> Scenario:
     kept = {name: getattr(Sensors, name) for name in POSITIONING_KEYS}
     exact = replace(scenario.sensors, **kept, camera_noise_m=0.0)
@@ -74,9 +78,7 @@ def _without_intake(scenario: Scenario) -> Scenario:
 
 def _without_bodies(scenario: Scenario) -> Scenario:
     calm = _without_intake(scenario)
-    weather = replace(
-        calm.weather, current_speed_mps=0.0, current_wander_mps=0.0, circulation_mps=0.0
-    )
+    weather = calm.weather if calm.weather.forced else calm.weather.still
     return replace(calm, weather=weather, physics=replace(calm.physics, items="graph"))
 
 
@@ -88,7 +90,7 @@ def _calibrated(scenario: Scenario) -> Scenario:
 
 
 WORLDS = {
-    "graph": WorldKind("moves succeed, items follow the paper's rule", GraphDynamics, _whole),
+    "graph": WorldKind("moves succeed, items follow the paper's rule", GraphDynamics, _graph),
     "hulls": WorldKind("hulls, thrusters, control and mean wind", _physics, _without_bodies),
     "calibrated": WorldKind(
         "items are taken as surely as the hulls did in trials", _physics, _calibrated

@@ -22,7 +22,6 @@ from mjforage.graph_planner.policies.registry import check_policies
 from mjforage.mission.scoring import Description, chosen_metrics, description
 from mjforage.mission.scoring.known import series_metrics
 from mjforage.mission.setup import Setup
-from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.run_warnings import run_warnings
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.costs import Invocation, costs_content
@@ -35,6 +34,7 @@ from mjforage.runs.selection import FIRST, USUAL, check_selection, ranks_of, sel
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
 from mjforage.runs.workers import Workers
+from mjforage.scenario.debris import item_choices
 from mjforage.scenario.sizes import check_memory, table_bytes
 
 _logger = logging.getLogger(__name__)

@@ -112,7 +112,7 @@ def hull_facts(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
     if set(worlds) <= {"graph"}:
         return captures
     from mjforage.physics.dynamics.fleet_scene import fleet_vessels  # MuJoCo where it is wanted
-    from mjforage.physics.scene import load_debris
+    from mjforage.scenario.debris import load_debris
 
     choice = setup.scenario.physics
     names, vessels = hull_names(setup.fleet, choice), fleet_vessels(setup.fleet, choice)

@@ -4,14 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.item_classes import draw_classes
 from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.physics.dynamics.fleet_scene import item_choices
-from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.knowledge_record import KnowledgeRecorder
+from mjforage.scenario.debris import item_choices
 from mjforage.scenario.vessel_files import hull_names
 
 

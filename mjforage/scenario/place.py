@@ -90,6 +90,11 @@ class Place:
         return np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
 
 
+def north_deg(place: Place | None) -> float:
+    """Bearing of a map's y axis, clockwise from true north: 0 where it is no place."""
+    return place.rotation_deg if place else 0.0
+
+
 @lru_cache(maxsize=8)
 def projection(latitude_deg: float, longitude_deg: float) -> Any:
     """Transformer from longitude and latitude to metres east and north of a point."""

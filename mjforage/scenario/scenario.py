@@ -5,7 +5,7 @@ Environment" and "Items Dynamics"; numbers of the published code where the paper
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Annotated, Literal
 
@@ -101,6 +101,10 @@ class Weather:
     drawn per episode, uniform over the circle."""
     shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
     """Height of obstacles on all land, in whose wind shadow the wind is weaker; 0: no shadow."""
+    drift: Literal["constant", "forced"] = "constant"
+    """How items drift where they follow the rule of the graph world: `constant`: all at 0.03 of
+    the mean wind; `forced`: by wind, lee and current where and when they are, each by the leeway of
+    its class in `physics.item_classes`."""
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
     """Constant drift of an episode's items, uniform in +- this per axis; not with
     `wind_speed_mps`."""
@@ -124,6 +128,16 @@ class Weather:
     """Standard deviation per axis of a slow Gauss-Markov part of that current."""
     circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0
     """Peak speed of a harbour circulation between the quays, positive counter-clockwise."""
+
+    @property
+    def forced(self) -> bool:
+        """True if wind and current carry items at graph level too."""
+        return self.drift == "forced"
+
+    @property
+    def still(self) -> "Weather":
+        """The same wind over still water."""
+        return replace(self, current_speed_mps=0.0, current_wander_mps=0.0, circulation_mps=0.0)
 
     @property
     def drift_ranges(self) -> tuple[_Drifts, _Drifts]:

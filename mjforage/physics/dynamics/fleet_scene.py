@@ -2,13 +2,9 @@
 
 from functools import lru_cache
 
-import numpy as np
-from numpy.typing import NDArray
-
-from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.physics.scaled_vessels import scaled
-from mjforage.physics.scene import Scene, build_scene, load_debris
+from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Physics
@@ -37,23 +33,6 @@ def fleet_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
         If there is no such vessel, or no body can have its parameters.
     """
     return tuple(scaled(vessel, choice.scale) for vessel in known_vessels(fleet, choice))
-
-
-def item_choices(choice: Physics) -> NDArray[np.int64]:
-    """Index of each of the scenario's item classes among those that ship.
-
-    Raises
-    ------
-    UserError
-        If a class is not known, or there is none.
-    """
-    known = [kind.name for kind in load_debris()]
-    for name in choice.item_classes:
-        if name not in known:
-            raise UserError(f"physics.item_classes: {name!r}; choose from {', '.join(known)}")
-    if not choice.item_classes:
-        raise UserError(f"physics.item_classes is empty; choose from {', '.join(known)}")
-    return np.array([known.index(name) for name in choice.item_classes], np.int64)
 
 
 @lru_cache(maxsize=8)

@@ -18,10 +18,11 @@ from mjforage.forcing import LEEWAY, Forcing
 from mjforage.forcing.flow import flow_in
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
-from mjforage.mission.capture_chances import chances_of, pickup_of
+from mjforage.mission.capture_chances import pickup_of
 from mjforage.mission.dynamics import NOBODY, Transition, start_state
 from mjforage.mission.initial_state import InitialState, nearest_nodes
-from mjforage.mission.item_rule import ItemRule, collect
+from mjforage.mission.item_classes import draw_classes, leeways
+from mjforage.mission.item_rule import collect, item_rule
 from mjforage.mission.moves import Moves
 from mjforage.mission.task import IDLE
 from mjforage.mission.trajectory import TrajectoryRecorder
@@ -39,10 +40,9 @@ from mjforage.physics.dynamics.faults import failures
 from mjforage.physics.dynamics.fleet_scene import (
     fleet_scene,
     fleet_vessels,
-    item_choices,
     known_vessels,
 )
-from mjforage.physics.dynamics.item_bodies import draw_classes, leeways, read_items
+from mjforage.physics.dynamics.item_bodies import read_items
 from mjforage.physics.dynamics.period_monitor import (
     Known,
     MonitorSetup,
@@ -59,7 +59,8 @@ from mjforage.physics.positioning import create_positioning
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.simulation.instability import warnings_suppressed
 from mjforage.physics.vessel_models import vessel_model
-from mjforage.scenario.place import Place
+from mjforage.scenario.debris import item_choices
+from mjforage.scenario.place import Place, north_deg
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
@@ -86,7 +87,7 @@ class MujocoDynamics:
         """
         self._graph, self._fleet, self._scenario = graph, fleet, scenario
         self._trajectory, self._choice = trajectory, scenario.physics
-        self._north_deg = place.rotation_deg if place else 0.0
+        self._north_deg = north_deg(place)
         weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
         self._step_s = step_s = self._choice.step_s or self._integrator.step_s
         self._ticks = WEATHER_TICKS * whole_times(
@@ -98,8 +99,8 @@ class MujocoDynamics:
         self._bodies = self._choice.items == "bodies"
         self._contacts = self._bodies and self._choice.item_contacts
         self._intake = self._choice.capture == "intake"
-        self._chances = None if self._bodies else chances_of(fleet, scenario)
-        certain = not self._intake and self._chances is None
+        self._rule = None if self._bodies else item_rule(graph, fleet, scenario, place)
+        certain = not self._intake and (self._rule is None or self._rule.chances is None)
         self.pickup = None if certain else pickup_of(fleet, scenario)
         if self._intake and not self._bodies:
             raise UserError(
@@ -128,8 +129,6 @@ class MujocoDynamics:
         flow_in(scenario.weather, graph)
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
-        noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
-        self._rule = None if self._bodies else ItemRule(graph, fleet, noise, walls, self._chances)
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
@@ -231,7 +230,7 @@ class MujocoDynamics:
     def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
         """(episode, place, 2) velocity of items by mean wind and current [node/step]."""
         if self._rule is not None:
-            return np.broadcast_to(self._rule.drift_rc[:, None], rc.shape)
+            return self._rule.drift_rc(rc, items)
         leeway = leeways(self._simulation.item_class) if items else np.full(rc.shape[:2], LEEWAY)
         return self._forcing.carried_rc(self._tick * CONTROL_S, rc, leeway)
 

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from mjforage.controllers.records import record_type
 from mjforage.physics.vessels import CrossFlow, Propeller, Vessel
+from mjforage.scenario.debris import AIR_DENSITY_KGPM3
 
 Float64Array = NDArray[np.float64]
-
-AIR_DENSITY_KGPM3 = 1.224  # Blendermann's tables, as in MSS
 
 
 class VesselParameters:

@@ -23,12 +23,13 @@ from mjforage.physics.callback.model_layout import (
     VESSEL_WIDTH,
 )
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
-from mjforage.physics.scene.debris import DebrisClass, add_items, load_debris, parking_xy
+from mjforage.physics.scene.debris import add_items, parking_xy
 from mjforage.physics.scene.mjcf import compiled, shipped_part
 from mjforage.physics.scene.quays import add_quays
 from mjforage.physics.scene.rectangles import narrowest_passage
 from mjforage.physics.scene.vessel_bodies import add_vessel, hull_part
 from mjforage.physics.vessels import Vessel
+from mjforage.scenario.debris import DebrisClass, load_debris
 
 
 @dataclass(frozen=True, eq=False)

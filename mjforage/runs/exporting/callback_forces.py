@@ -8,13 +8,12 @@ from typing import Any
 
 import mujoco
 
+from mjforage.controllers.propulsion import WATER_DENSITY_KGPM3
 from mjforage.mission.setup import Setup
-from mjforage.physics.hydrodynamics.parameters import AIR_DENSITY_KGPM3
-from mjforage.physics.scene import DebrisClass, load_debris
-from mjforage.physics.scene.debris import WATER_DENSITY_KGPM3
 from mjforage.physics.simulation import Integrator
 from mjforage.physics.vessels import Vessel
 from mjforage.runs.episode_recording import Recording
+from mjforage.scenario.debris import AIR_DENSITY_KGPM3, DebrisClass, load_debris
 from mjforage.scenario.schema import rows
 
 _BODY = ("added_", "linear_", "quadratic_", "yaw_", "lag_")

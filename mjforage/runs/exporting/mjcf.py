@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import fleet_vessels
-from mjforage.physics.scene import load_debris, parking_xy
+from mjforage.physics.scene import parking_xy
 from mjforage.physics.scene.build import check_passages, scene_spec
 from mjforage.physics.scene.mjcf import compiled
 from mjforage.physics.simulation import Integrator
@@ -15,6 +15,7 @@ from mjforage.runs.episode_recording import Recording
 from mjforage.runs.exporting.callback_forces import readme
 from mjforage.runs.exporting.charts import vessel_rows
 from mjforage.runs.exporting.tracks import Tracks
+from mjforage.scenario.debris import load_debris
 
 
 def mjcf_files(setup: Setup, recording: Recording) -> dict[str, bytes]:

@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.physics.scene.debris import load_debris
 from mjforage.physics.scene.mjcf import compiled, shipped_part
 from mjforage.physics.scene.vessel_bodies import hull_part
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.runs.episode_recording import Recording
+from mjforage.scenario.debris import load_debris
 from mjforage.view.render.cameras import View
 from mjforage.view.render.palette import Colour, agent_colours
 from mjforage.view.render.scenery import add_scenery

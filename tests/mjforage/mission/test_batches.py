@@ -20,12 +20,17 @@ SENSORS = (
     *("sensors.false_rate=0.02", "sensors.false_hold=4", "sensors.merge=0.2"),
     *("sensors.fov_deg=240", "sensors.map=filtered"),
 )
+FORCED = (
+    *("weather.drift=forced", "weather.circulation_mps=0.2", "weather.shelter_height_m=2"),
+    'physics.item_classes=["drifter","bottle"]',
+)
 ROLES = ("team.foragers.energy=40", "team.foragers.capacity=9", "rules.capture=calibrated")
-SETTINGS = {
+SETTINGS: dict[str, tuple[str, ...]] = {
     "plain": (),
     "radio": RADIO,
     "sensors": SENSORS,
     "roles": ROLES,
+    "forced": FORCED,
     "all": (*RADIO, *SENSORS, *ROLES),
 }
 GNSS = {"gnss": ("sensors.outage_every_s=40",)}
@@ -38,7 +43,7 @@ WORLDS = [
 SCRATCH = {
     *("in_view", "found", "counted", "best", "place", "manned"),  # of scans
     *("arriving", "wanted", "received"),  # of inbox
-    *("draws", "shift", "beyond", "gone"),  # of the items' drift
+    *("draws", "shift", "beyond", "gone", "carried"),  # of the items' drift
     *("paths", "met"),  # of plans of the traffic
     "_resolver",  # of moves
 }
@@ -46,7 +51,6 @@ SCRATCH = {
 FREE = {
     "initial": "of the batch's first episodes, as `Mission.restart` says",
     "_moves": "of the last decision, which a restart is none",
-    "_wind": "for a trajectory recorder, which no batch that restarts rows has",
     "_parking": "a place for every item that there is room for",
     "_spare": "where episodes start before they are part of the batch",
 }

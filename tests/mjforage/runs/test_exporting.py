@@ -12,8 +12,8 @@ import polars as pl
 import pytest
 
 import mjforage as mf
-from mjforage.physics.scene import load_debris
 from mjforage.runs.episode_recording import Recording
+from mjforage.scenario.debris import load_debris
 
 ALONE = """
 import json, sys, mujoco

@@ -3,8 +3,8 @@
 import numpy as np
 
 from mjforage.base.randomness import episode_keys
+from mjforage.mission.item_classes import draw_classes
 from mjforage.mission.setup import Setup
-from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.runs.recording import record
 from mjforage.scenario.scenario_file import load_scenario
 

@@ -9,8 +9,8 @@ from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
-from mjforage.physics.scene.debris import load_debris
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.debris import load_debris
 from mjforage.scenario.scenario import Weather
 from mjforage.scenario.scenario_file import load_scenario
 
@@ -101,3 +101,53 @@ def test_the_state_shows_the_drift_of_every_node() -> None:
     shown = env.state()[5:7][:, graph.rows, graph.cols]
     np.testing.assert_allclose(shown, (0.5 + 0.5 * drift).T, atol=1e-6)
     assert np.ptp(drift, axis=0).min() > 0.1, "a gyre goes both ways"
+
+
+FORCED = "weather.drift=forced"
+WESTERLY = ("weather.wind_speed_mps=6", "weather.wind_from_deg=270")
+
+
+@pytest.mark.parametrize("world", ["graph", "hulls", "physics"])
+def test_a_wind_from_the_west_carries_items_east_each_by_its_leeway(world: str) -> None:
+    mission = mission_of(FORCED, *WESTERLY, CLASSES, "items.covariance_node2=1", world=world)
+    start, policy = mission.state.item_rc.copy(), create_policy("random")
+    mission.prepare(policy)
+    for _ in range(2):
+        mission.advance(mission.ask(policy))
+    there = mission.state.item_node >= 0
+    went = (mission.state.item_rc - start)[there] * 4.0 / 20.0  # [m/s]
+    kinds = {kind.name: kind.leeway for kind in load_debris()}
+    each = np.array([kinds[name] for name in ("drifter", "bottle", "bag")])
+    off = np.abs(went[:, 1:] / 6.0 - each) / each
+    assert np.median(off.min(axis=1)) < 0.03 and np.median(np.abs(went[:, 0])) < 0.01
+    assert np.unique(off.argmin(axis=1)).size == 3
+
+
+@pytest.mark.parametrize("water", [STREAM, GYRE])
+def test_forced_items_drift_alike_in_the_graph_and_in_mujoco(water: tuple[str, ...]) -> None:
+    """The way of half of them within 3 %, from when they have come up to their speed."""
+    ways = []
+    for world in ("graph", "physics"):
+        mission = mission_of(FORCED, *WESTERLY, *water, CLASSES, world=world)
+        told, policy = [], create_policy("random")
+        mission.prepare(policy)
+        mission.advance(mission.ask(policy))
+        start = mission.state.item_rc.copy()
+        for _ in range(6):
+            told.append(mission.truth.item_drift_rc.copy())
+            mission.advance(mission.ask(policy))
+        ways.append((mission.state.item_rc - start, mission.state.item_node >= 0, sum(told)))
+    left = ways[0][1] & ways[1][1]
+    graph, hulls = (np.median(way[left], axis=0) for way, *_ in ways)
+    assert np.linalg.norm(graph - hulls) < 0.03 * np.linalg.norm(hulls)
+    off = np.abs(ways[0][0] - ways[0][2]).max(axis=-1)[left]
+    assert np.median(off) < 0.02 * np.linalg.norm(graph), "bounds are told what happens"
+
+
+def test_forced_items_stay_in_the_lee_and_constant_ones_do_not() -> None:
+    lee = ("weather.shelter_height_m=30", *WESTERLY)
+    forced, constant = (
+        mission_of(*more, *lee, world="graph", preset="comb-port").node_drift_rc
+        for more in ((FORCED,), ())
+    )
+    assert (np.abs(forced).max(axis=-1) == 0.0).any() and (constant[..., 1] > 0.4).all()

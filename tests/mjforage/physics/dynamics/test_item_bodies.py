@@ -1,7 +1,8 @@
 import numpy as np
 
 from mjforage.base.randomness import episode_keys
-from mjforage.physics.dynamics.item_bodies import draw_classes, read_items
+from mjforage.mission.item_classes import draw_classes
+from mjforage.physics.dynamics.item_bodies import read_items
 from tests.mjforage.physics.dynamics.test_collecting import GRAPH, ON, state_of
 
 

@@ -1,6 +1,6 @@
 import pytest
 
-from mjforage.physics.scene import DebrisClass, load_debris
+from mjforage.scenario.debris import DebrisClass, load_debris
 
 CLASSES = load_debris()
 

@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjforage.physics.scene import load_debris
 from mjforage.physics.vessels import load_vessel
 from mjforage.scenario.assets import models_folder
+from mjforage.scenario.debris import load_debris
 
 FILES = {path.stem: path for path in sorted(models_folder().glob("*.xml"))}
 VESSELS = [name for name in FILES if (models_folder() / "vessels" / f"{name}.toml").is_file()]

@@ -14,9 +14,9 @@ from mjforage.mission.moves import Moves
 from mjforage.physics.dynamics.ticks import CONTROL_S
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.mission_trial import UnsteeredDynamics, mission_measures
-from mjforage.physics.scene import load_debris
 from mjforage.physics.vessel_checks import Float64Array
 from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.scenario.debris import load_debris
 from mjforage.scenario.roles import Role
 from mjforage.scenario.scenario import Items, MapChoice, Physics, Sensors, Weather
 from tests.mjforage.mission.by_hand import by_hand
