@@ -85,6 +85,7 @@ class EpisodeLog(Observer):
     pickup : (episode, T + 1, agent) int8, see `mjforage.mission.task.PICKUPS`
     length : (episode,) decisions made
     t_discovered, discovered_by, t_collected, collected_by : (episode, item), -1 never and none
+    keys : (episode,) of the batch
     n_items : (episode,); items beyond it are padding
     item_start : (episode, item, 2) initial position (row, column) [node]
     link : traffic over the links, None without; of a batch that is over
@@ -116,7 +117,7 @@ class EpisodeLog(Observer):
         steps = mission.setup.scenario.horizon + 1
         episodes, agents = mission.state.agent_node.shape
         shape = (episodes, steps, agents)
-        self.n_items = mission.initial.n_items
+        self.keys, self.n_items = mission.keys, mission.initial.n_items
         self.item_start = mission.initial.item_rc
         tracks = Tracks(*(np.zeros(shape, kind) for kind in _TRACK_TYPES))
         tracks = tracks._replace(agent_rc=np.zeros((*shape, 2), np.float32))

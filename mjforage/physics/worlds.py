@@ -9,13 +9,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
+from mjforage.base.randomness import UInt64Array
+from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.mission.dynamics import Dynamics
 from mjforage.mission.graph_dynamics import GraphDynamics, graph_weather
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.scenario.place import Place
+from mjforage.scenario.place import Place, north_deg
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import POSITIONING_KEYS, Scenario, Sensors
 
@@ -133,6 +135,13 @@ def create_mission(
 
     others = (kind.dynamics(*about, None, place) for _ in range(threads - 1))
     return Mission(setup, ThreadedDynamics([kind.dynamics(*about, trajectory, place), *others]))
+
+
+def forcing_of(setup: Setup, world: str, keys: UInt64Array) -> Forcing:
+    """Wind and water of episodes in one of the worlds, by their keys (episode,)."""
+    scenario = WORLDS[world].adapt(setup.scenario)
+    about = setup.graph, scenario.period_s, north_deg(setup.grid.place)
+    return Forcing.create(scenario.weather, keys, *about)
 
 
 def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:

@@ -13,15 +13,21 @@ from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.scoring import Scores
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import PICKUPS
+from mjforage.physics.worlds import forcing_of
 from mjforage.runs.parquet import read_parquet, read_schema, spoilt
-from mjforage.scenario.place import Place
+from mjforage.scenario.bearings import bearing_of
+from mjforage.scenario.place import Place, north_deg
 
 Columns = dict[str, NDArray[Any] | pl.Series]
 TABLES = ("episodes", "steps", "items", "agents")
 KEYS = {"world": pl.String, "policy": pl.String, "episode": pl.Int64}
 SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
     "episodes": KEYS | {"items": pl.Int64},
-    "steps": KEYS | {"step": pl.Int32},
+    "steps": KEYS
+    | {"step": pl.Int32}
+    | dict.fromkeys(
+        ("wind_speed_mps", "wind_from_deg", "current_speed_mps", "current_to_deg"), pl.Float32
+    ),
     "items": KEYS
     | {"item": pl.Int32, "row_start": pl.Float32, "col_start": pl.Float32}
     | dict.fromkeys(("t_discovered", "discovered_by", "t_collected", "collected_by"), pl.Int32),
@@ -64,10 +70,22 @@ def _episodes(episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores) -> C
     return columns | scores.scalars
 
 
-def _steps(episodes: NDArray[np.int64], steps: int, scores: Scores) -> Columns:
+def _steps(
+    setup: Setup, world: str, episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores
+) -> Columns:
+    steps, north = setup.scenario.horizon + 1, north_deg(setup.grid.place)
+    forcing = forcing_of(setup, world, log.keys)
+    moments = [
+        forcing.open_water(step * setup.scenario.period_s, gusts=False) for step in range(steps)
+    ]
+    wind, current = (np.stack(each, axis=1).reshape(-1, 2) for each in zip(*moments, strict=True))
     columns: Columns = {
         "episode": np.repeat(episodes, steps),
         "step": np.tile(np.arange(steps), episodes.size),
+        "wind_speed_mps": np.hypot(*wind.T),
+        "wind_from_deg": pl.Series(bearing_of(-wind, north), nan_to_null=True),
+        "current_speed_mps": np.hypot(*current.T),
+        "current_to_deg": pl.Series(bearing_of(current, north), nan_to_null=True),
     }
     return columns | {key: values.ravel() for key, values in scores.series.items()}
 
@@ -145,7 +163,7 @@ def frames(
     """
     columns: dict[str, Columns] = {
         "episodes": _episodes(episodes, log, scores),
-        "steps": _steps(episodes, setup.scenario.horizon + 1, scores),
+        "steps": _steps(setup, world, episodes, log, scores),
         "items": _items(episodes, log, setup.grid.place),
         "agents": _agents(episodes, log, setup),
     }

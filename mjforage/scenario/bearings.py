@@ -3,6 +3,9 @@
 import math
 from typing import Annotated
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mjforage.base.fields import Within
 
 Bearing = Annotated[float, Within(-360, 360, "deg")]
@@ -22,3 +25,15 @@ def wind_direction(from_deg: float) -> float:
 def flow_direction(to_deg: float) -> float:
     """Direction, counter-clockwise from east [rad], of a current to a compass bearing [deg]."""
     return wind_direction(to_deg + 180.0)
+
+
+def bearing_of(xy: NDArray[np.float64], north_deg: float = 0.0) -> NDArray[np.float64]:
+    """(...,) compass bearing [deg] to which vectors (..., 2) point, NaN for one of no length.
+
+    Parameters
+    ----------
+    north_deg : bearing of the y axis
+    """
+    bearing = (np.degrees(np.arctan2(xy[..., 0], xy[..., 1])) + north_deg) % 360.0
+    found: NDArray[np.float64] = np.where(xy.any(axis=-1), bearing, np.nan)
+    return found

@@ -14,7 +14,7 @@ from mjforage.mission.scoring import Description
 from mjforage.view.page import style
 from mjforage.view.page.figure import WIDTH_IN, Panel, ReportFigure, canvas, mathtext
 from mjforage.view.report.cells import NORMAL_95
-from mjforage.view.report.run_logs import Case, FloatArray, RunLogs
+from mjforage.view.report.run_logs import SPEEDS, Case, FloatArray, RunLogs
 from mjforage.view.report.step_means import COUNT, STD
 from mjforage.view.report.words import WORDS
 
@@ -105,11 +105,15 @@ def _figure(
 
 
 def time_figures(logs: RunLogs) -> list[ReportFigure]:
-    """Every figure over time: ours, then one per other metric; none of what is never defined."""
+    """Every figure over time: ours, then one per other metric; none of what is never defined, or
+    of a wind or current that does not change.
+    """
     defined = {
         key: metric
         for key, metric in logs.series.items()
-        if key in logs.columns_of_steps and logs.means[key + COUNT].sum()
+        if key in logs.columns_of_steps
+        and logs.means[key + COUNT].sum()
+        and (metric not in SPEEDS or any(np.ptp(time_series(one, key).mean) for one in logs.cases))
     }
     figures = []
     for name, title, columns, words in ARRANGED:

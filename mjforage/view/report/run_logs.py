@@ -24,6 +24,11 @@ from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_mean
 FloatArray = NDArray[np.float64]
 ITEM_COLUMNS = ("item", "t_discovered", "discovered_by", "t_collected", "collected_by")
 AGENT_COLUMNS = ("step", "agent", "x_m", "y_m")
+SPEEDS = tuple(
+    Description(key, label, unit="m/s", series=key, series_label=label)
+    for key, label in (("wind_speed_mps", "wind"), ("current_speed_mps", "current"))
+)
+"""Wind and current of every step, which are drawn like metrics."""
 TRACK_STEPS = 1000  # of an episode whose tracks are drawn
 MOST_ITEMS = 40_000  # of an episode: no scenario has room for more
 
@@ -102,7 +107,7 @@ class RunLogs:
     @cached_property
     def series(self) -> dict[str, Description]:
         """Metrics that have a time series, by its column of `steps.parquet`; unknown ones last."""
-        known = {one.series: one for one in self.metrics.values() if one.series}
+        known = {one.series: one for one in (*SPEEDS, *self.metrics.values()) if one.series}
         others = {
             key: replace(describe(key), series=key, series_label=key)
             for key in self.columns_of_steps

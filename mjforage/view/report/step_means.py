@@ -12,6 +12,7 @@ from mjforage.runs.run_info import REMEDY, RunInfo
 
 KEYS = ("world", "policy", "episode")
 STEP = ("world", "policy", "step")
+BEARINGS = ("wind_from_deg", "current_to_deg")  # of which there are no means
 POINTS = 400  # steps that are drawn beside the first, where the horizon has more
 STD, COUNT = "/std", "/n"  # endings of columns beside that of the mean
 
@@ -23,7 +24,7 @@ def drawn_steps(horizon: int) -> NDArray[np.int64]:
 
 
 def metrics_in(path: Path) -> tuple[str, ...]:
-    """Columns of metrics of a table of steps, in its order.
+    """Columns of metrics of a table of steps, and of speeds of wind and current, in its order.
 
     Raises
     ------
@@ -32,7 +33,8 @@ def metrics_in(path: Path) -> tuple[str, ...]:
     """
     numbers(path, scan_parquet(path, (*KEYS, "step"), REMEDY))
     numbers(path, scan_parquet(path, None, REMEDY))
-    return tuple(name for name in read_schema(path, REMEDY) if name not in (*KEYS, "step"))
+    left = *KEYS, "step", *BEARINGS
+    return tuple(name for name in read_schema(path, REMEDY) if name not in left)
 
 
 def numbers(path: Path, frame: pl.LazyFrame) -> pl.LazyFrame:

@@ -6,8 +6,12 @@ import polars as pl
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.mission.scoring import chosen_metrics
-from mjforage.runs.tables import METRIC_COLUMNS, SCHEMAS, TABLES, check_table, read_table
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.scoring import Scorer, chosen_metrics
+from mjforage.mission.setup import Setup
+from mjforage.physics.worlds import create_mission
+from mjforage.runs.tables import METRIC_COLUMNS, SCHEMAS, TABLES, check_table, frames, read_table
+from mjforage.scenario.scenario_file import load_scenario
 
 HORIZON = 12
 
@@ -30,7 +34,7 @@ def test_every_metric_has_its_columns(finished: Path) -> None:
     steps = read_table(finished / "steps.parquet", "steps")
     metrics = chosen_metrics()
     assert episodes.columns[4:] == [one.key for one in metrics]
-    assert steps.columns[4:] == [one.series_name() for one in metrics if one.has_series()]
+    assert steps.columns[8:] == [one.series_name() for one in metrics if one.has_series()]
 
 
 @pytest.mark.parametrize(
@@ -120,3 +124,28 @@ def test_agents_move_on_nodes_and_add_up_their_way(finished: Path) -> None:
     assert set(moved["outcome"].unique()) <= {"arrived", "blocked"}
     assert (agents["x_m"] == 4.0 * agents["col"]).all()
     assert (agents["y_m"] == 4.0 * (61 - agents["row"])).all()
+
+
+def test_steps_have_the_wind_and_the_current_that_act_in_their_world() -> None:
+    """By compass: in the graph world of the paper no current flows; a calm has no bearing."""
+    air = ("wind_speed_mps=5", "wind_from_deg=210", "gust_intensity=0.2", "shelter_height_m=3")
+    given = (*air, "current_speed_mps=0.25", "current_to_deg=300")
+    blown = [f"weather.{one}" for one in given]
+    calm = ["weather.drift_node_per_step=0"]
+    for world, sets, blows, flows in (
+        ("graph", blown, (5.0, 210.0), (0.0, None)),
+        ("graph", [*blown, "weather.drift=forced"], (5.0, 210.0), (0.25, 300.0)),
+        ("physics", blown, (5.0, 210.0), (0.25, 300.0)),
+        ("physics", calm, (0.0, None), (0.0, None)),
+    ):
+        setup = Setup.of(load_scenario("open-bay", [*sets, "horizon=2"]))
+        mission = create_mission(setup, world)
+        mission.reset(1, np.arange(2))
+        scorer = Scorer(mission, chosen_metrics())
+        mission.run(create_policy("random"), (scorer,))
+        about = setup, world, "random", np.arange(2), scorer.log, scorer.scores()
+        steps = frames(*about)["steps"]
+        assert steps.height == 6
+        for name, value in zip(list(SCHEMAS["steps"])[4:], (*blows, *flows), strict=True):
+            found = steps[name].to_list()
+            assert found == [None if value is None else pytest.approx(value, rel=1e-6)] * 6, name
