@@ -17,6 +17,7 @@ from mjforage.physics.hydrodynamics.parameters import VesselParameters
 from mjforage.physics.hydrodynamics.thruster import (
     force_of_sides,
     saturated,
+    thrust,
     thrust_in_step,
     thruster_slope,
 )
@@ -194,10 +195,12 @@ def damping(
     air = wind_slope(p, c * dx + s * dy, c * dy - s * dx)
     cross = cross_flow_slope(p, v_r, r)
     quadratic = p.quadratic_surge + p.load_drag * around.load
-    thrust = thruster_slope(p, lagged[0], lagged[1], u_r, r)
+    port = around.port_left * thrust(p, lagged[0])
+    starboard = around.starboard_left * thrust(p, lagged[1])
+    slope = thruster_slope(p, port, starboard, u_r, r)
     growth = p.linear_yaw * p.yaw_growth + p.quadratic_yaw
     return (
-        p.linear_surge + 2 * quadratic * abs(u_r) + air[0] + thrust[0],
+        p.linear_surge + 2 * quadratic * abs(u_r) + air[0] + slope[0],
         p.linear_sway + 2 * p.quadratic_sway * abs(v_r) + cross[0] + air[1],
-        p.linear_yaw + 2 * growth * abs(r) + cross[1] + thrust[1],
+        p.linear_yaw + 2 * growth * abs(r) + cross[1] + slope[1],
     )

@@ -128,7 +128,7 @@ def thruster_force(
 def thruster_slope(
     p: VesselParameters, port: float, starboard: float, u_r: float, r: float
 ) -> tuple[float, float]:
-    """Fall of `thruster_force` with surge velocity [N s/m] and yaw rate [N m s], each >= 0."""
-    left = thrust_slope(thrust(p, port), u_r - p.lever * r, p.disc)
-    right = thrust_slope(thrust(p, starboard), u_r + p.lever * r, p.disc)
+    """Fall of `force_of_sides` with surge velocity [N s/m] and yaw rate [N m s], each >= 0."""
+    left = thrust_slope(port, u_r - p.lever * r, p.disc)
+    right = thrust_slope(starboard, u_r + p.lever * r, p.disc)
     return left + right, p.lever * p.lever * (left + right)

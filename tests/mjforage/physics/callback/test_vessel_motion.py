@@ -15,14 +15,22 @@ STEP = 1e-5
 
 
 @pytest.mark.parametrize("name", P)
-@given(st.floats(-2.0, 2.5), st.floats(-100.0, 100.0))
-def test_damping_in_surge_is_the_slope_of_the_load(name: str, u: float, command: float) -> None:
+@given(
+    st.floats(-2.0, 2.5),
+    st.floats(-100.0, 100.0),
+    st.sampled_from([(1.0, 1.0), (0.0, 1.0), (0.7, 0.0)]),
+)
+def test_damping_in_surge_is_the_slope_of_the_load(
+    name: str, u: float, command: float, left: tuple[float, float]
+) -> None:
+    """Also with a thruster that is weak or dead."""
     assume(abs(u) > 1e-3)  # off the kink at rest
     moored = thrust(P[name], command)
+    around = STILL._replace(port_left=left[0], starboard_left=left[1])
     less, more = (
-        loads(P[name], 0.0, u + h, 0.0, 0.0, moored, moored, STILL)[0] for h in (STEP, -STEP)
+        loads(P[name], 0.0, u + h, 0.0, 0.0, moored, moored, around)[0] for h in (STEP, -STEP)
     )
-    surge, _, _ = damping(P[name], 0.0, u, 0.0, 0.0, (command, command), STILL)
+    surge, _, _ = damping(P[name], 0.0, u, 0.0, 0.0, (command, command), around)
     assert (more - less) / (2.0 * STEP) == pytest.approx(surge, rel=1e-4)
 
 

@@ -77,7 +77,7 @@ def test_slopes_are_those_of_the_force(port: float, starboard: float, u: float, 
     more_turn, less_turn = (
         thruster_force(OTTER, port, starboard, u, r + h)[1] for h in (1e-5, -1e-5)
     )
-    surge, yaw = thruster_slope(OTTER, port, starboard, u, r)
+    surge, yaw = thruster_slope(OTTER, thrust(OTTER, port), thrust(OTTER, starboard), u, r)
     assert (less - more) / 2e-5 == pytest.approx(surge, rel=1e-4, abs=1e-5)
     assert (less_turn - more_turn) / 2e-5 == pytest.approx(yaw, rel=1e-4, abs=1e-5)
 
