@@ -10,6 +10,7 @@ from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.vessel_models import damping_rates, decision_s, full_speed_s, vessel_model
 from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
 from mjforage.physics.worlds import WORLDS
+from mjforage.scenario.faults import Faults
 from mjforage.scenario.scenario import POSITIONING_KEYS, Physics, Scenario, Sensors, Weather
 from mjforage.scenario.vessel_files import hull_names
 
@@ -17,16 +18,18 @@ RK4_LIMIT = 2.785
 """Steps per time constant beyond which Runge-Kutta of order 4 diverges (Hairer and Wanner, "Solving
 Ordinary Differential Equations II", section IV.2); the fast integrator's mean accelerations are of
 one such step."""
+FENDER_STEP_S = 0.02  # longest in which Runge-Kutta has the fenders of `simulation.fenders`
 CURRENTS = ("current_speed_mps", "current_wander_mps", "circulation_mps")
 FORCED = ("shelter_height_m", *CURRENTS, "item_classes")
 """Keys that forced items of the graph world feel."""
-PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics, tuple[str, ...]], ...] = (
+PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics | Faults, tuple[str, ...]], ...] = (
     (
         "weather",
         Weather(),
         ("shelter_height_m", "gust_intensity", *CURRENTS),
     ),
     ("sensors", Sensors(), (*POSITIONING_KEYS, "camera_noise_m")),
+    ("faults", Faults(), ("team", "rate_per_h")),
     ("physics", Physics(), ("capture", "item_classes", "integrator", "step_s", "scale")),
 )
 """Tables of a scenario, as if nothing were given, and their keys that not every world feels."""
@@ -37,6 +40,7 @@ def run_warnings(setup: Setup, worlds: Sequence[str]) -> tuple[str, ...]:
     scenario = setup.scenario
     adapted = [WORLDS[world].adapt(scenario) for world in worlds if world != "graph"]
     lines = [*_unfelt_keys(scenario, worlds, adapted), *_still_items(adapted)]
+    lines += _soft_fenders(scenario.physics) if adapted else ()
     for vessel, teams in _vessels(setup).items() if adapted else ():
         where = f"vessel {vessel.name} of {' and '.join(teams)}"
         lines += [f"{where}: {words}" for words in _of_vessel(scenario, adapted, vessel, teams)]
@@ -79,6 +83,17 @@ def _still_items(adapted: Sequence[Scenario]) -> Iterator[str]:
         yield (
             f'{", ".join(currents)}: vessels feel it, items do not by physics.items = "graph"; '
             'give "bodies" for items that do'
+        )
+
+
+def _soft_fenders(choice: Physics) -> Iterator[str]:
+    """A time step with which the reference integrator's fenders are softer than they shall be."""
+    step_s = choice.step_s or FENDER_STEP_S
+    if choice.integrator == "reference" and step_s > FENDER_STEP_S:
+        yield (
+            f'physics.step_s = {step_s:g} with physics.integrator = "reference": fenders '
+            f"are soft, and 1 m/s takes a hull {500 * step_s:g} mm and more into a quay; "
+            f'give at most {FENDER_STEP_S:g} s, or physics.integrator = "fast"'
         )
 
 

@@ -56,7 +56,11 @@ def check_faults(faults: Faults, counts: Mapping[str, int], where: str) -> None:
         raise UserError(
             f"{where}: faults: no thruster fails; give faults.team or faults.rate_per_h"
         )
+    own = Faults(rate_per_h=faults.rate_per_h, left=faults.left, noticed=faults.noticed)
     if not faults.team:
+        if faults != own:
+            of_one = "faults.vessel, faults.side and faults.from_s are of one vessel"
+            raise UserError(f"{where}: {of_one}; give faults.team")
         return
     if faults.team not in counts:
         teams = ", ".join(counts)

@@ -98,6 +98,8 @@ def test_keys_that_no_world_of_a_run_feels_are_told(
         ("physics.capture", "intake", ("graph", "hulls", "debris"), "calibrated"),
         ("physics.integrator", "reference", ("graph",), "hulls"),
         ("physics.step_s", "0.05", ("graph",), "hulls"),
+        ("faults.rate_per_h", "2", ("graph",), "hulls"),
+        ("faults.team", "scouts", ("graph",), "hulls"),
         ("physics.scale.mass", "1.1", ("graph",), "hulls"),
     ],
 )
@@ -170,6 +172,18 @@ def test_vessels_too_quick_for_control_or_step_are_told(
     assert all(line.startswith("vessel scout_ of scouts: ") for line in lines)
     if "physics.step_s" in words:
         assert told(PHYSICS, scouts, "physics.step_s=0.05") == []
+
+
+@pytest.mark.parametrize(("step_s", "deep_mm"), [(0.05, 25), (0.1, 50)])
+def test_steps_with_soft_fenders_are_told(step_s: float, deep_mm: int) -> None:
+    """Those of Runge-Kutta beyond its own 0.02 s; Euler's have none."""
+    reference, steps = "physics.integrator=reference", f"physics.step_s={step_s}"
+    assert told(PHYSICS, reference, steps) == [
+        f'physics.step_s = {step_s} with physics.integrator = "reference": fenders are soft, and '
+        f"1 m/s takes a hull {deep_mm} mm and more into a quay; give at most 0.02 s, or "
+        'physics.integrator = "fast"'
+    ]
+    assert told(PHYSICS, steps) == told(PHYSICS, reference, "physics.step_s=0.02") == []
 
 
 def test_moves_that_a_vessel_cannot_make_are_told_and_are_late() -> None:

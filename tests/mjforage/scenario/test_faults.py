@@ -24,6 +24,10 @@ def test_a_fault_has_a_vessel_or_a_rate() -> None:
     [
         (["faults.side=both"], "faults: no thruster fails; give faults.team or faults.rate_per_h"),
         (["faults.left=0.5"], "faults: no thruster fails; give faults.team or faults.rate_per_h"),
+        (
+            ["faults.rate_per_h=1", "faults.side=both"],
+            "are of one vessel; give faults.team",
+        ),
         (["faults.team=tugs"], "faults.team = 'tugs': no such team; known: scouts, foragers"),
         (["faults.team=scouts", "faults.vessel=2"], "vessel = 2: scouts has 2; count from 0"),
         (["faults.team=scouts", "faults.side=left"], "should be 'port', 'starboard' or 'both'"),
