@@ -250,6 +250,7 @@ class MujocoDynamics:
             for tick in range(self._ticks):
                 known = self._locate(active)
                 self._look(active, known.pose)
+                known = self._off_land(known)
                 if tick % WEATHER_TICKS == 0:
                     self._feel(active)
                     self._seek(active, Sent(target, stay), known)
@@ -271,6 +272,14 @@ class MujocoDynamics:
         pose, velocity = self._pilot.locate(active, *seen)
         return Known(pose, velocity, now.pose if self._positioning.errors is None else pose)
 
+    def _off_land(self, known: Known) -> Known:
+        """With a filter: poses from which the item that each vessel collects lies in the water."""
+        if self._positioning.errors is None or not self._has_camera:
+            return known
+        pose = known.pose.copy()
+        pose[..., :2] += self._tracks.ashore
+        return Known(pose, known.velocity, pose)
+
     def _feel(self, active: NDArray[np.bool_]) -> None:
         """Give vessels and items the wind and the water of the moment."""
         simulation, now = self._simulation, self._tick * CONTROL_S
@@ -288,7 +297,8 @@ class MujocoDynamics:
         if not self._has_camera:
             return
         now, xy, nodes = self._motion.pose, self._simulation.item_xy, self._state.item_node
-        self._look_out(active, self._tick, CONTROL_S, now, pose, xy, nodes)
+        sought = self._attempts.item
+        self._look_out(active, self._tick, CONTROL_S, now, pose, xy, nodes, sought)
 
     def _known(self) -> NDArray[np.float64]:
         """(episode, vessel, item, 2) places of items as each vessel knows them [m]."""

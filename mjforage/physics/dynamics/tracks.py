@@ -21,8 +21,12 @@ FloatArray = NDArray[np.float64]
 SPEED_MPS = 0.05  # standard deviation per axis of the velocity of an item seen for the first time
 JERK_M2PS3 = 3e-4  # variance that the velocity gains per second: drift changes every decision
 SURPRISE = 13.8  # square of an error over its variance of which chance exceeds .001: pushed
+ASHORE_S = 1.0  # time constant of the way that an item sought appears on land
 FORGET_S = 20.0  # without a sighting
 RADIUS_M = 0.1  # of an item: no nearer to a quay
+
+
+NOWHERE = np.full(2, np.nan)
 
 
 class LandGrid(NamedTuple):
@@ -40,6 +44,8 @@ class ItemTracks(NamedTuple):
     spread: FloatArray  # (episode, vessel, item, 3) variance of place, covariance, of velocity
     tick: NDArray[np.int64]  # (episode, vessel, item) of the last sighting, -1 none
     frames: FloatArray  # (episode, frame, vessel, item, 2) on their way from the camera [m]
+    sought: FloatArray  # (episode, vessel, 2) see `note_ashore` [m]
+    ashore: FloatArray  # (episode, vessel, 2) the same
 
     @classmethod
     def of(cls, camera: Camera, vessels: int, items: NDArray[np.int32]) -> Self:
@@ -52,6 +58,8 @@ class ItemTracks(NamedTuple):
             np.zeros((*every, 3)),
             np.full(every, -1),
             np.full((every[0], on_the_way, *every[1:], 2), np.nan),
+            np.full((*every[:2], 2), np.nan),
+            np.zeros((*every[:2], 2)),
         )
 
     def with_rows(self, rows: NDArray[np.int64], fresh: Self) -> Self:
@@ -120,6 +128,31 @@ def note_sighting(
 
 
 @kernel
+def note_ashore(
+    place: FloatArray, ashore: FloatArray, grid: LandGrid, seen: FloatArray, step_s: float
+) -> None:
+    """Take in where the item sought appears; on land, its vessel's position is off by that much.
+
+    Parameters
+    ----------
+    place : (2,) where it appears, smoothed, NaN for none [m]
+    ashore : (2,) way from there to the water; towards 0 without a sighting [m]
+    seen : (2,) a sighting, NaN for none [m]
+    step_s : since the one before
+    """
+    share = step_s / (ASHORE_S + step_s)
+    if math.isnan(seen[0]):
+        place[:] = np.nan
+        ashore *= 1.0 - share
+        return
+    if math.isnan(place[0]):
+        place[:] = seen
+    place += share * (seen - place)
+    x, y = afloat(grid, place[0], place[1])
+    ashore[0], ashore[1] = x - place[0], y - place[1]
+
+
+@kernel
 def look_out(
     camera: Camera,
     grid: LandGrid,
@@ -133,6 +166,7 @@ def look_out(
     pose: FloatArray,
     xy: FloatArray,
     item_node: NDArray[np.int32],
+    sought: NDArray[np.int64],
 ) -> None:
     """One control tick: take a frame if it is due, and process a frame that has arrived.
 
@@ -142,6 +176,7 @@ def look_out(
     step_s : of a tick
     true_pose, pose : (episode, vessel, 3) as they are and as measured [m], [rad]
     xy, item_node : (episode, item, 2) [m], (episode, item) below 0 if not afloat
+    sought : (episode, vessel) item that it collects, -1 for none
     """
     frames, latency, period = tracks.frames, camera.latency, camera.period
     for e in range(active.size):
@@ -159,6 +194,8 @@ def look_out(
             if past < 0 or past % period != 0:
                 continue
             came = frames[e, past // period % frames.shape[1], v]
+            seen = came[sought[e, v]] if sought[e, v] >= 0 else NOWHERE
+            note_ashore(tracks.sought[e, v], tracks.ashore[e, v], grid, seen, step_s * period)
             for k in range(came.shape[0]):
                 if math.isnan(came[k, 0]):
                     continue

@@ -45,7 +45,8 @@ class Watch:
         self.node = np.zeros((self.keys.size, 1), np.int32)
         self.tracks = ItemTracks.of(self.camera, 2, self.node)
         self.tick = np.full(self.keys.size, -1)
-        self.pose = np.zeros((self.keys.size, 2, 3))
+        self.pose, self.off = np.zeros((self.keys.size, 2, 3)), np.zeros(3)
+        self.sought = np.zeros((self.keys.size, 2), np.int64)
 
     def at(self, tick: int) -> np.ndarray:
         return np.tile(np.array(self.way(tick * STEP_S)), (self.keys.size, 1, 1))
@@ -55,8 +56,9 @@ class Watch:
         on = np.ones(self.keys.size, np.bool_)
         while self.tick[0] < tick:
             self.tick += 1
-            now = (on, self.tick, STEP_S, self.pose, self.pose, self.at(int(self.tick[0])))
-            look_out(self.camera, self.water, self.keys, COLLECTS, self.tracks, *now, self.node)
+            poses = self.pose, self.pose + self.off
+            now = (on, self.tick, STEP_S, *poses, self.at(int(self.tick[0])), self.node)
+            look_out(self.camera, self.water, self.keys, COLLECTS, self.tracks, *now, self.sought)
         out = np.empty((self.keys.size, 2, 1, 2))
         tracked(self.tracks, self.water, self.tick, STEP_S, out)
         assert np.isnan(out[:, 0]).all()  # the scout
@@ -165,3 +167,17 @@ def test_one_beside_a_quay_is_found_there() -> None:
     last = watch.until(60)
     assert last[:, 1].max() <= 1.9 + 1e-12
     assert np.sqrt(np.mean((last - [4.0, 1.9]) ** 2)) < 0.07
+
+
+def test_an_item_sought_that_appears_on_land_tells_how_far_the_position_is_off() -> None:
+    """Its way to the water, smoothed, towards 0 once it is no longer sought."""
+    for off, way, within in ((0.0, -0.01, 0.01), (0.3, -0.3, 0.01), (-0.3, 0.0, 1e-3)):
+        watch = Watch(lambda t: (1.9, 4.0), water=BASIN, episodes=range(300))
+        watch.pose[..., 1], watch.off[0] = 4.0, off
+        watch.until(60)
+        ashore = watch.tracks.ashore[:, 1]
+        assert abs(ashore[:, 0].mean() - way) < within and ashore[:, 0].std() < 0.06
+        assert not ashore[:, 1].any() and not watch.tracks.ashore[:, 0].any()
+        watch.sought[:] = -1
+        watch.until(120)
+        assert np.abs(watch.tracks.ashore).max() < 0.01
