@@ -108,17 +108,20 @@ def view_cover(
     moves: int,
     stay: bool,
     shorten: bool,
+    jump: bool = False,
+    across_land: bool = False,
 ) -> Cover:
     """Cover by plain sight: cells are nodes, seen within a radius.
 
     Parameters
     ----------
     radii, radius : the fleet's radii, and the number of the one that is meant
-    moves, stay, shorten : how the scout moves, see `MoveRules`
+    moves, stay, shorten, jump : how the scout moves, see `MoveRules`
+    across_land : True if it sees across land
     """
-    lists = graph.views(radii)
+    lists = graph.discs(radii) if across_land else graph.views(radii)
     marks, belongs = landmarks_of(graph)
-    ways = ways_of(graph, moves, stay, shorten)
+    ways = ways_of(graph, moves, stay, shorten, jump)
     start = lists.start[radius]
     return _cover(ways, start, lists.nodes, belongs, marks)
 
@@ -186,25 +189,28 @@ def _block_cover(
     moves: int,
     stay: bool,
     shorten: bool,
+    jump: bool,
+    across_land: bool,
     spread: float,
     detection: tuple[float, ...],
     least: float,
 ) -> BlockCover:
     if len(graph) > TABLE_LIMIT:  # plain sight, one block per node
-        plain = view_cover(graph, radii, radius, moves, stay, shorten)
+        plain = view_cover(graph, radii, radius, moves, stay, shorten, jump, across_land)
         return BlockCover(plain, np.arange(len(graph), dtype=np.int32))
     across = graph.shape[1] // BLOCK + 1
     names = graph.rows // BLOCK * across + graph.cols // BLOCK
     found, block = np.unique(names, return_inverse=True)
     block, size = block.astype(np.int32), np.bincount(block).astype(np.int64)
-    lists, prior = graph.views(radii), spatial_prior_of(graph, spread)
+    lists = graph.discs(radii) if across_land else graph.views(radii)
+    prior = spatial_prior_of(graph, spread)
     noticed = _noticed(lists, radius, prior, block, size, np.array(detection), least)
     start = np.concatenate(([0], np.cumsum(noticed.sum(axis=1))))
     cells = np.nonzero(noticed)[1].astype(np.int32)
     marks, belongs = landmarks_of(graph)
     landmark = np.zeros(found.size, np.int32)
     landmark[block[::-1]] = belongs[::-1]
-    ways = ways_of(graph, moves, stay, shorten)
+    ways = ways_of(graph, moves, stay, shorten, jump)
     return BlockCover(_cover(ways, start, cells, landmark, block[marks]), block)
 
 
@@ -223,6 +229,8 @@ def hotspot_cover(task: Task, agent: int, settings: BeliefSettings) -> BlockCove
         int(task.fleet.moves[agent]),
         task.rules.stay,
         task.rules.shorten,
+        task.rules.jump,
+        task.across_land,
         settings.spread_node,
         tuple(assumed_chances(task, settings).tolist()),
         least,

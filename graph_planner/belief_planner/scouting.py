@@ -90,11 +90,14 @@ class Scouting:
                 int(fleet.moves[a]),
                 rules.stay,
                 rules.shorten,
+                rules.jump,
+                task.across_land,
             )
             for a in self.agents
         ]
         self._ends = [
-            ways_of(graph, int(fleet.moves[a]), rules.stay, rules.shorten).ends for a in self.agents
+            ways_of(graph, int(fleet.moves[a]), rules.stay, rules.shorten, rules.jump).ends
+            for a in self.agents
         ]
         self._beam, self._depth = (6, 6) if settings.fast else (16, 10)
         if not settings.sweeps:

@@ -16,7 +16,7 @@ from mjforage.base.compiled import kernel
 from mjforage.base.row_cache import RowCache, row_of, rows_worth_keeping
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, TABLE_LIMIT, NavigationGraph
-from mjforage.mission.moves import free_move
+from mjforage.mission.moves import MoveRules, all_targets
 from mjforage.mission.task import Task
 
 UInt16Array = NDArray[np.uint16]
@@ -32,18 +32,6 @@ class Ways(NamedTuple):
     before: Int32Array  # (move,) `before[before_start[v]:before_start[v + 1]]`
     cache: RowCache  # rows of targets
     decisions: UInt16Array  # (row, node) decisions from a node to the row's target
-
-
-@kernel
-def _ends(neighbours: Int32Array, moves: int, stay: bool, shorten: bool) -> Int32Array:
-    """Node (node, move) in which each move from each node ends, -1 where illegal."""
-    ends = np.full((neighbours.shape[0], 9), np.int32(-1), np.int32)
-    nobody = np.empty(0, np.int64)
-    for node in range(neighbours.shape[0]):
-        for move in range(9):
-            end, _ = free_move(neighbours, nobody, -1, node, move, moves, stay, shorten)
-            ends[node, move] = end
-    return ends
 
 
 @kernel
@@ -106,16 +94,19 @@ def row_to(ways: Ways, node: int) -> int:
 
 
 @lru_cache(maxsize=16)
-def ways_of(graph: NavigationGraph, moves: int, stay: bool, shorten: bool) -> Ways:
+def ways_of(
+    graph: NavigationGraph, moves: int, stay: bool, shorten: bool, jump: bool = False
+) -> Ways:
     """Ways of a mover on a map, made once and kept.
 
     Parameters
     ----------
     graph : map
     moves : nodes per decision
-    stay, shorten : see `MoveRules`
+    stay, shorten, jump : see `MoveRules`
     """
-    ends, n = _ends(graph.neighbours, moves, stay, shorten), len(graph)
+    rules, n = MoveRules(stay, shorten, jump), len(graph)
+    ends = all_targets(graph, np.array([moves]), rules)[1][0]
     start, before = _reversed(ends)
     rows = n if n <= TABLE_LIMIT else rows_worth_keeping(n, 2)
     return Ways(
@@ -147,8 +138,8 @@ class Group:
         """The group of some agents of a task."""
         lengths = sorted({int(m) for m in task.fleet.moves[agents]}) or [1]
         kind = np.searchsorted(lengths, task.fleet.moves[agents]).astype(np.int64)
-        stay, shorten = task.rules.stay, task.rules.shorten
-        return cls(agents, kind, tuple(ways_of(task.graph, m, stay, shorten) for m in lengths))
+        how = task.rules.stay, task.rules.shorten, task.rules.jump
+        return cls(agents, kind, tuple(ways_of(task.graph, m, *how) for m in lengths))
 
     def ways_of(self, agent: int) -> Ways:
         """The ways of one of the agents."""

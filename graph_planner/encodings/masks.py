@@ -23,13 +23,16 @@ def legal_of_agent(
     claimed, token : nodes chosen by others, see `free_move`; the token -1 for none
     energy : distance that it can still travel [node]
     """
-    neighbours, moves = arrays.neighbours, arrays.moves
+    number, hops, span = arrays.stride_number[agent], arrays.moves[agent], 1
+    neighbours = arrays.targets[number] if arrays.jump else arrays.neighbours
+    if arrays.jump:
+        hops, span = 1, hops
     legal = np.zeros(9, np.bool_)
     for move in range(9):
         end, steps = free_move(
-            neighbours, claimed, token, node, move, moves[agent], arrays.stay, arrays.shorten
+            neighbours, claimed, token, node, move, hops, arrays.stay, arrays.shorten
         )
-        legal[move] = end >= 0 and move_length(move, steps) <= energy
+        legal[move] = end >= 0 and move_length(move, steps * span) <= energy
     if not legal.any():
         legal[STAY] = True
     return legal

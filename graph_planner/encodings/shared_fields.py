@@ -229,7 +229,7 @@ def share_fields(
     )
     possible_targets(arrays, agent_node, targets)
     targets[:, STAY] = agent_node
-    edge, slack = unseen.edge[:on_edge], longest_move(arrays.moves)
+    edge, slack = unseen.edge[:on_edge], longest_move(arrays)
     if codes.code.shape[0] > 0:
         targets_to_nearest(codes, edge, agent_node, targets, slack, fields.unseen_way)
     else:

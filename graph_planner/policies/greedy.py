@@ -57,7 +57,7 @@ def _rewards(
     radius_number, forgetting = arrays.radius_number, arrays.forgetting
     start, nodes = discs.start, discs.nodes
     per_item, per_idleness, per_distance = weights.item, weights.idleness, weights.distance
-    n_agents, slack = agent_node.shape[1], longest_move(arrays.moves)
+    n_agents, slack = agent_node.shape[1], longest_move(arrays)
     saturated = _saturation(forgetting)
     draws = np.empty(9 * n_agents, np.uint64)
     targets = np.empty((n_agents, 9), np.int32)

@@ -66,7 +66,7 @@ def _sweep(
     active, agent_node, moves = seen.active, seen.agent_node, arrays.moves
     neighbours, distances = arrays.neighbours, arrays.distances
     current, patience = sweep.current, sweep.patience
-    n_agents, slack = agent_node.shape[1], longest_move(moves)
+    n_agents, slack = agent_node.shape[1], longest_move(arrays)
     targets = np.empty((n_agents, 9), np.int32)
     here = np.full((1, 9), np.int32(-1), np.int32)
     out = np.empty((1, 9))

@@ -35,9 +35,11 @@ def possible_targets(arrays: TaskArrays, agent_node: Int32Array, targets: Int32A
 
 
 @kernel
-def longest_move(moves: NDArray[np.int64]) -> float:
-    """Length of the longest move of any agent [node], from nodes per decision (agent,)."""
-    return DIAGONAL * moves.max() if moves.size else 0.0
+def longest_move(arrays: TaskArrays) -> float:
+    """Largest geodesic distance that a move of any agent covers [node]; infinite across land."""
+    if arrays.jump:
+        return np.inf
+    return DIAGONAL * arrays.moves.max() if arrays.moves.size else 0.0
 
 
 @kernel
@@ -49,7 +51,7 @@ def _seek(
     known, n_known = seen.known, seen.n_known
     neighbours, distances = arrays.neighbours, arrays.distances
     moves, collects = arrays.moves, arrays.collects
-    n_agents, slack = agent_node.shape[1], longest_move(moves)
+    n_agents, slack = agent_node.shape[1], longest_move(arrays)
     targets = np.empty((n_agents, 9), np.int32)
     nearest = np.empty((n_agents, 9))
     for e in range(active.size):

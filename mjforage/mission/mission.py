@@ -32,7 +32,7 @@ from mjforage.mission.sensors.sensing import map_filter, no_shown
 from mjforage.mission.sensors.sensing_update import SensingUpdate
 from mjforage.mission.setup import Setup
 from mjforage.mission.stores import Stores
-from mjforage.mission.task import GroundTruth, Observation
+from mjforage.mission.task import NEVER, GroundTruth, Observation
 
 _ONE = np.ones(1, np.int32)
 
@@ -120,7 +120,10 @@ class Mission:
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
         self._knowledge = Knowledge.of_starts(self._scans(), len(self.setup.graph))
         self._renew_sensing_update()
-        self.exchange.reset(self.task, self._sense(), self._knowledge, self.keys)
+        scans = self._sense()
+        if not self.setup.scenario.rules.start_seen:
+            self._knowledge.last_seen[:] = NEVER
+        self.exchange.reset(self.task, scans, self._knowledge, self.keys)
         self._observing = Observing(self.exchange, self.keys)
         self.forecasts = Forecasts(keys.size)
 

@@ -2,7 +2,7 @@
 
 A move is a compass direction or staying put. An agent of m moves per decision goes m nodes
 straight; where a node on the way is not free, the move is illegal (`shorten` off: the published
-rule) or ends before it (`shorten` on).
+rule) or ends before it (`shorten` on), or only its end node has to be free (`jump`).
 """
 
 from dataclasses import dataclass
@@ -17,10 +17,13 @@ from mjforage.base.compiled import BoundKernel, inlined, kernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import DIAGONAL, Int32Array
-from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
+from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, NavigationGraph
 from mjforage.scenario.roles import Fleet
 
 CHOSEN, OTHERWISE_STAY = 2.0, 1.0  # preferences of a chosen move, and of what happens if illegal
+FINAL = 1e300
+"""Least preference of a move that is made under `jump` whatever the others have chosen: an agent
+may share its end node; where that is no node it stays, but its length counts as way."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +34,12 @@ class MoveRules:
     ----------
     stay : True if staying put is an action
     shorten : True if a move of several nodes ends before an obstacle instead of being illegal
+    jump : True if only the end node of a move has to be free
     """
 
     stay: bool
     shorten: bool
+    jump: bool = False
 
 
 @kernel
@@ -65,13 +70,16 @@ class Corruption(NamedTuple):
 class Movers(NamedTuple):
     """Moves of the agents in a decision, and the order in which they choose."""
 
-    neighbours: Int32Array  # (node, 8), -1 where there is no edge
-    moves: NDArray[np.int64]  # (agent,) nodes per decision
+    reach: Int32Array  # (table, node, 8 or more) node next on the way in a direction, -1: none
+    table: NDArray[np.int64]  # (agent,) which of them is the agent's
+    hops: NDArray[np.int64]  # (agent,) entries of it that a move goes along
+    span: NDArray[np.int64]  # (agent,) nodes from one to the next
     illegal: NDArray[np.int64]  # (agent, node) a bit per move: illegal even alone
     collects: NDArray[np.bool_]  # (agent,)
     order: NDArray[np.int64]  # (agent,) agents as they choose
     stay: bool
     shorten: bool
+    jump: bool
 
 
 class Ask(NamedTuple):
@@ -175,6 +183,12 @@ def all_targets(
     """
     strides, stride_number = np.unique(moves, return_inverse=True)
     targets = _targets(graph.neighbours, strides, rules.stay, rules.shorten)
+    if rules.jump:
+        for i, stride in enumerate(strides):
+            cells = np.pad(graph.node_of_cell, stride, constant_values=-1)
+            for move, (down, right) in enumerate(OFFSETS[:STAY]):
+                row, col = graph.rows + stride * (1 + down), graph.cols + stride * (1 + right)
+                targets[i, :, move] = cells[row, col]
     return stride_number.astype(np.int64), targets
 
 
@@ -227,10 +241,10 @@ def _resolve(
         return False
     active, preferences, agent_node = ask.active, ask.preferences, ask.agent_node
     energy_left, belief, owner_of = ask.energy_left, ask.belief, ask.owner_of
-    decision, keys, neighbours = ask.decision, ask.keys, movers.neighbours
-    strides, illegal = movers.moves, movers.illegal
+    decision, keys, illegal = ask.decision, ask.keys, movers.illegal
+    reach, table, hops, span = movers.reach, movers.table, movers.hops, movers.span
     collects, order = movers.collects, movers.order
-    stay, shorten = movers.stay, movers.shorten
+    stay, shorten, jump = movers.stay, movers.shorten, movers.jump
     epsilon, whole_team = corruption.epsilon, corruption.whole_team
     direction, target, steps, blocked = moves
     n_episodes, n_agents = agent_node.shape
@@ -245,8 +259,14 @@ def _resolve(
         token = first_token + e
         key = stream_key(keys[e], Stream.CORRUPTION)
         for agent in order:
-            node, stride, energy = agent_node[e, agent], strides[agent], energy_left[e, agent]
+            node, stride, energy = agent_node[e, agent], hops[agent], energy_left[e, agent]
+            neighbours, wide = reach[table[agent]], span[agent]
             best, end, length = -1, node, 0
+            final = -1
+            if jump:
+                for d in range(STAY):
+                    if preferences[e, agent, d] >= FINAL and move_length(d, wide) <= energy:
+                        final = d
             draw = 1.0
             if epsilon[agent] > 0.0:
                 draw = uniform(key, -1 if whole_team else agent, decision[e])
@@ -256,7 +276,7 @@ def _resolve(
                     end, length = free_move(
                         neighbours, claimed, token, node, d, stride, stay, shorten
                     )
-                    if end < 0 or move_length(d, length) > energy:
+                    if end < 0 or move_length(d, length * wide) > energy:
                         continue
                     if whole_team and collects[agent] and d != STAY and belief[row, end] > 0:
                         legal[n_legal] = legal[n_known]
@@ -271,6 +291,8 @@ def _resolve(
                     end, length = free_move(
                         neighbours, claimed, token, node, best, stride, stay, shorten
                     )
+            elif final >= 0:
+                best, end, length = final, neighbours[node, final], 1
             else:
                 refused = illegal[agent, node]  # a bit per move; more as others are refused
                 while best < 0 and refused < _ALL_MOVES:
@@ -285,14 +307,15 @@ def _resolve(
                     end, length = free_move(
                         neighbours, claimed, token, node, wanted, stride, stay, shorten
                     )
-                    if end >= 0 and move_length(wanted, length) <= energy:
+                    if end >= 0 and move_length(wanted, length * wide) <= energy:
                         best = wanted
                     refused |= 1 << wanted
             if best < 0:
-                end, length = node, 0
+                end, length = -1, 0
             direction[e, agent] = best if best >= 0 else STAY
-            target[e, agent], steps[e, agent] = end, length
-            blocked[e, agent] = best < 0
+            blocked[e, agent] = end < 0
+            end = end if end >= 0 else node
+            target[e, agent], steps[e, agent] = end, length * wide
             claimed[end] = token
     return True
 
@@ -330,8 +353,12 @@ class Resolver:
     ) -> None:
         number, targets = all_targets(graph, fleet.moves, rules)
         illegal = ((targets < 0) << np.arange(9)).sum(axis=2)[number]
-        about = fleet.collects, fleet.order, rules.stay, rules.shorten
-        movers = Movers(graph.neighbours, fleet.moves, illegal, *about)
+        about = fleet.collects, fleet.order, rules.stay, rules.shorten, rules.jump
+        one, reach, table = np.ones_like(number), graph.neighbours[None], np.zeros_like(number)
+        hops, span = fleet.moves, one
+        if rules.jump:
+            reach, table, hops, span = targets, number, one, fleet.moves
+        movers = Movers(np.ascontiguousarray(reach), table, hops, span, illegal, *about)
         claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
         self._resolve = BoundKernel(_resolve, movers, corruption, claimed)
         self._one_owner, self._token = np.zeros(len(fleet), np.int64), 1
@@ -354,7 +381,8 @@ class Resolver:
         ----------
         active : (episode,) others keep their place
         preferences : (episode, agent, 9); the largest legal one wins, ties to the lowest move.
-            An illegal move, or one to or through a node chosen earlier, is never taken.
+            An illegal move, or one to or through a node chosen earlier, is never taken but as
+            `FINAL` says.
         agent_node : (episode, agent)
         energy_left : (episode, agent) distance that can still be travelled [node]
         belief : (episode x owner, node) believed items; read by the whole-team corruption only

@@ -128,7 +128,7 @@ class Setup:
     def task(self) -> Task:
         """Task of the policies."""
         scenario, rules = self.scenario, self.scenario.rules
-        moves = MoveRules(rules.stay, rules.shorten)
+        moves = MoveRules(rules.stay, rules.shorten, rules.jump)
         about = scenario.horizon, scenario.prior, rules.walls
         link = scenario.link
         reach = reach_m(link, self.fleet.antenna_m) / scenario.map.pitch_m

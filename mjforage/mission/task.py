@@ -33,6 +33,7 @@ class TaskArrays(NamedTuple):
     radius_number: NDArray[np.int64]  # (agent,) which list of `NodeLists`
     stay: bool
     shorten: bool
+    jump: bool
     forgetting: float  # growth of idleness per step
     radius: NDArray[np.float64]  # (agent,) [node]
     energy: NDArray[np.float64]  # (agent,) full store [node], inf without a limit
@@ -130,6 +131,7 @@ class Task:
                 radius_number=self.radius_number,
                 stay=self.rules.stay,
                 shorten=self.rules.shorten,
+                jump=self.rules.jump,
                 forgetting=self.forgetting,
                 radius=self.fleet.radius,
                 energy=self.fleet.energy,

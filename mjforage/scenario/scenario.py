@@ -50,6 +50,11 @@ class Rules:
     """True: staying put is an action."""
     shorten: bool = True
     """True: a blocked longer move ends before the obstacle; False: it is illegal."""
+    jump: bool = False
+    """True: only the end node of a move has to be free, and land on the way is crossed; in the
+    graph world alone, with `shorten = false`."""
+    start_seen: bool = True
+    """False: what is in view at the start is believed, but unseen until the first step."""
     walls: Literal["clip", "project", "published"] = "clip"
     """Boundary condition, which puts an item on land back into the nearest node. `clip`: each
     component of its offset is cut to 0.49 node; `project`: the offset is scaled, its larger

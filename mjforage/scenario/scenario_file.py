@@ -238,6 +238,16 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             f"{where}: rules.order = {shown(list(order))}; give every team once: "
             f"{', '.join(counts)}"
         )
+    if scenario.rules.jump and scenario.rules.shorten:
+        raise UserError(
+            f"{where}: rules.jump = true with rules.shorten = true: moves that jump are never made "
+            "shorter; give rules.shorten = false"
+        )
+    if not scenario.rules.start_seen and scenario.link.model != "ideal":
+        raise UserError(
+            f'{where}: rules.start_seen = false with link.model = "{scenario.link.model}"; over a '
+            "link all that is received counts as seen: leave one of them out"
+        )
     origin, speed = scenario.weather.wind_from_deg, scenario.weather.wind_speed_mps
     if origin is not None and speed is None:
         raise UserError(

@@ -83,8 +83,11 @@ class MujocoDynamics:
         UserError
             If a vessel or an item class is not known, a capture model is wanted and not there, a
             vessel does not fit on the map, the scenario's times do not fit together, items without
-            bodies shall enter a mouth, or there shall be a current on a map without an open border.
+            bodies shall enter a mouth, moves jump, or there shall be a current on a map without an
+            open border.
         """
+        if scenario.rules.jump:
+            raise UserError("rules.jump = true: hulls cannot cross land; use the graph world")
         self._graph, self._fleet, self._scenario = graph, fleet, scenario
         self._trajectory, self._choice = trajectory, scenario.physics
         self._north_deg = north_deg(place)
