@@ -32,4 +32,4 @@ def is_taken(ends: Int32Array, chosen: int, node: int) -> bool:
 def squared_distance(rows: Int32Array, cols: Int32Array, one: int, other: int) -> int:
     """Squared Euclidean distance of two nodes, across land [node^2]."""
     down, right = np.int64(rows[one] - rows[other]), np.int64(cols[one] - cols[other])
-    return down * down + right * right
+    return int(down * down + right * right)

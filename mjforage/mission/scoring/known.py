@@ -1,7 +1,7 @@
 """Known metrics: ours, those of installed packages, any by `package.module:Name`.
 
-A run uses ours and those that it names. Other installed or registered metrics are known by name,
-but are no part of a run that does not name them.
+A run uses ours and those that it names. Other installed or registered metrics, and ours that are
+`on_request`, are known by name, but are no part of a run that does not name them.
 """
 
 import math
@@ -53,7 +53,8 @@ def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Me
         If one cannot be imported, is no metric, or two have one key.
     """
     found: dict[str, type[Metric]] = {}
-    for name in (*METRICS.ours(), *references):
+    ours = [name for name in METRICS.ours() if not METRICS.find(name).on_request]
+    for name in (*ours, *references):
         made = METRICS.resolve(name) if isinstance(name, ImportSpec) else METRICS.find(name)
         one = checked(made, name if isinstance(name, str) else name.reference)
         if found.setdefault(one.key, one) is not one:
@@ -68,14 +69,16 @@ def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Me
 
 
 def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[ImportSpec, ...]:
-    """Import paths, for other processes, of those metrics that are not ours.
+    """Import paths, for other processes, of those metrics that they do not take by themselves.
 
     Raises
     ------
     UserError
         If one is of the script itself, which another process cannot import.
     """
-    return tuple(METRICS.import_spec(one.key, one) for one in metrics if not is_ours(one))
+    return tuple(
+        METRICS.import_spec(one.key, one) for one in metrics if one.on_request or not is_ours(one)
+    )
 
 
 def checked(made: object, name: str) -> type[Metric]:

@@ -105,6 +105,7 @@ class Metric:
     unit : "" for none
     better : 1 more is better, -1 less is better, 0 neither
     digits : decimals shown
+    on_request : True if a run takes it only where it is named, though it is ours
     compared : True if policies are compared in it, pair by pair
     drawn : True if its distribution is drawn, where it has no series
     least, most : ends of its values, of which intervals need the worse one; None: no end is known,
@@ -118,6 +119,7 @@ class Metric:
     unit: ClassVar[str] = ""
     better: ClassVar[int] = 0
     digits: ClassVar[int] = 3
+    on_request: ClassVar[bool] = False
     compared: ClassVar[bool] = True
     drawn: ClassVar[bool] = True
     least: ClassVar[float | None] = None

@@ -13,7 +13,7 @@ from mjforage.bench.running import Rate
 from mjforage.cli.commands import app
 from mjforage.cli.studying import study
 from mjforage.graph_planner.policies import policy_names
-from mjforage.mission.scoring import chosen_metrics
+from mjforage.mission.scoring import METRICS, chosen_metrics
 from mjforage.runs.studies.study import Study
 from mjforage.scenario.scenario_file import load_scenario, preset_names
 from tests.mjforage.cli.short_runs import EVALUATE, GREEDY, Refused
@@ -82,7 +82,10 @@ def test_lists_name_everything_in_one_line_each(command: Callable[..., Any]) -> 
     lists = {
         "policies": policy_names(),
         "scenarios": preset_names(),
-        "metrics": [metric.key for metric in chosen_metrics()],
+        "metrics": [
+            *(metric.key for metric in chosen_metrics()),
+            *(name for name in METRICS.names() if METRICS.find(name).on_request),
+        ],
     }
     for name, names in lists.items():
         lines = command(name).out.splitlines()

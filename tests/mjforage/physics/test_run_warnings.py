@@ -41,7 +41,9 @@ def copied(folder: Path, name: str, *changes: tuple[str, str], without: str = ""
     return str(path)
 
 
-@pytest.mark.parametrize("preset", preset_names())
+@pytest.mark.parametrize(
+    "preset", [name for name in preset_names() if not load_scenario(name).rules.jump]
+)
 def test_shipped_scenarios_have_vessels_that_feel_and_can_do_all(preset: str) -> None:
     setup = Setup.of(load_scenario(preset))
     assert run_warnings(setup, ("graph", "physics")) == ()
