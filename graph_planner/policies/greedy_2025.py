@@ -17,10 +17,9 @@ from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key,
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policies.registry import register
 from mjforage.graph_planner.policy_parts.final_moves import (
-    FARTHEST,
     is_taken,
     make_final,
-    squared_distance,
+    squared_to_nearest,
 )
 from mjforage.graph_planner.policy_parts.seeking import possible_targets
 from mjforage.mission.plain import Plain
@@ -32,28 +31,12 @@ LATE = 0.8
 
 
 @kernel
-def _score(
-    arrays: TaskArrays,
-    discs: NodeLists,
-    seen: Observation,
-    e: int,
-    agent: int,
-    end: int,
-    new: float,
-) -> float:
-    """Score of a move of an agent that ends in a node; `new` of a node never seen."""
-    belief, last_seen, score = seen.belief, seen.last_seen, 0.0
-    if seen.n_known[e] > 0:
-        nearest = FARTHEST
-        for item in seen.known[e, : seen.n_known[e]]:
-            nearest = min(nearest, squared_distance(arrays.rows, arrays.cols, end, item))
-        score -= math.sqrt(nearest)
-    if arrays.collects[agent]:
-        return score + PER_ITEM * float(belief[e, end])
-    radius, start, nodes, count = arrays.radius_number[agent], discs.start, discs.nodes, 0
-    for i in range(start[radius, end], start[radius, end + 1]):
-        count += last_seen[e, np.uint64(nodes[np.uint64(i)])] == NEVER
-    return score + new * count
+def _count_new(last_seen: NDArray[np.int16]) -> int:
+    """How many nodes (node,) were never seen."""
+    count = 0
+    for seen in last_seen:
+        count += seen == NEVER
+    return count
 
 
 @kernel
@@ -65,31 +48,45 @@ def _choose(
     seen: Observation,
 ) -> None:
     """Choose for all agents of every episode, one after the other; fill preferences."""
-    n_agents, n_nodes = seen.agent_node.shape[1], seen.belief.shape[1]
+    active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
+    belief, last_seen, known, n_known = seen.belief, seen.last_seen, seen.known, seen.n_known
+    rows, cols, collects = arrays.rows, arrays.cols, arrays.collects
+    start, nodes, radius_number = discs.start, discs.nodes, arrays.radius_number
+    n_agents, n_nodes = agent_node.shape[1], belief.shape[1]
     targets, ends = np.empty((n_agents, 9), np.int32), np.empty(n_agents, np.int32)
-    draws = np.empty(9 * n_agents, np.uint64)
-    for e in range(seen.active.size):
-        if not seen.active[e]:
+    draws, squared = np.empty(9 * n_agents, np.uint64), np.empty(9, np.int64)
+    for e in range(active.size):
+        if not active[e]:
             continue
-        fill_bits(stream_key(seen.keys[e], Stream.POLICY), seen.step[e], draws.size, draws)
-        possible_targets(arrays, seen.agent_node[e], targets)
-        known_nodes = 0
-        for node in range(n_nodes):
-            known_nodes += seen.last_seen[e, node] != NEVER
-        new = PER_NEW_NODE_LATE if known_nodes > LATE * n_nodes else PER_NEW_NODE
-        for chosen, a in enumerate(order):
-            best, largest, lot = -1, -np.inf, np.uint64(0)
+        fill_bits(stream_key(keys[e], Stream.POLICY), step[e], draws.size, draws)
+        possible_targets(arrays, agent_node[e], targets)
+        late = n_nodes - _count_new(last_seen[e]) > LATE * n_nodes
+        per_new = PER_NEW_NODE_LATE if late else PER_NEW_NODE
+        items = known[e, : n_known[e]]
+        for chosen in range(n_agents):
+            a = order[chosen]
+            squared_to_nearest(rows, cols, items, targets[a], squared)
+            best, largest, lot, radius = -1, -np.inf, np.uint64(0), radius_number[a]
             for move in range(8):
                 end = targets[a, move]
                 if end < 0 or is_taken(ends, chosen, end):
                     continue
-                score = _score(arrays, discs, seen, e, a, end, new)
-                if score > largest or (score == largest and draws[9 * a + move] > lot):
-                    best, largest, lot = move, score, draws[9 * a + move]
+                score = -math.sqrt(squared[move]) if items.size else 0.0
+                if collects[a]:
+                    score += PER_ITEM * belief[e, end]
+                else:
+                    new = 0
+                    for i in range(start[radius, end], start[radius, end + 1]):
+                        around = np.uint64(nodes[np.uint64(i)])  # never counted from the end
+                        new += last_seen[e, around] == NEVER
+                    score += per_new * new
+                draw = draws[9 * a + move]
+                if score > largest or (score == largest and draw > lot):
+                    best, largest, lot = move, score, draw
             if best < 0:
                 best = int(8 * to_uniform(draws[9 * a + 8]))
             end = targets[a, best]
-            ends[chosen] = end if end >= 0 else seen.agent_node[e, a]
+            ends[chosen] = end if end >= 0 else agent_node[e, a]
             make_final(preferences[e, a], best)
 
 

@@ -24,7 +24,6 @@ from mjforage.graph_planner.policy_parts.final_moves import (
     FARTHEST,
     is_taken,
     make_final,
-    squared_distance,
 )
 from mjforage.graph_planner.policy_parts.seeking import possible_targets
 from mjforage.mission.plain import Plain
@@ -50,43 +49,57 @@ class Swarm(NamedTuple):
 
 
 @kernel
-def _nearest(arrays: TaskArrays, nodes: Int32Array, count: int, place: int) -> int:
-    """The one of the first `count` nodes nearest to a place, the lowest of equals; -1 if none."""
+def _nearest_of(rows: Int32Array, cols: Int32Array, nodes: Int32Array, place: int) -> int:
+    """The one of some nodes nearest to a place, the lowest of equals; -1 if there is none."""
     best, least = -1, FARTHEST
-    for i in range(count):
-        squared = squared_distance(arrays.rows, arrays.cols, nodes[i], place)
-        if squared < least or (squared == least and nodes[i] < best):
-            best, least = nodes[i], squared
+    for node in nodes:
+        down, right = np.int64(rows[node] - rows[place]), np.int64(cols[node] - cols[place])
+        squared = down * down + right * right
+        if squared < least or (squared == least and node < best):
+            best, least = node, int(squared)
     return best
 
 
 @kernel
-def _richest(seen: Observation, e: int) -> int:
-    """The node with most believed items, the lowest of equals; -1 if none is believed."""
+def _nearest_new(cells: Int32Array, last_seen: NDArray[np.int16], row: int, col: int) -> int:
+    """The nearest node never seen, the lowest of equals; -1 if there is none.
+
+    Parameters
+    ----------
+    cells : (row, column) node of each cell, -1 on land
+    last_seen : (node,)
+    row, col : from where; searched in squares around it
+    """
+    best, least, height, width = -1, FARTHEST, cells.shape[0], cells.shape[1]
+    for ring in range(max(height, width)):
+        if ring * ring > least:
+            break
+        for r in range(max(0, row - ring), min(height, row + ring + 1)):
+            whole = abs(r - row) == ring or ring == 0
+            for c in range(col - ring, col + ring + 1, 1 if whole else 2 * ring):
+                if 0 <= c < width and cells[r, c] >= 0 and last_seen[cells[r, c]] == NEVER:
+                    squared = (r - row) ** 2 + (c - col) ** 2
+                    if squared < least or (squared == least and cells[r, c] < best):
+                        best, least = cells[r, c], squared
+    return best
+
+
+@kernel
+def _richest(belief: NDArray[np.int16], known: Int32Array) -> int:
+    """The one of some nodes with most believed items, the lowest of equals; -1 if none."""
     best, most = -1, 0
-    for node in seen.known[e, : seen.n_known[e]]:
-        items = seen.belief[e, node]
+    for node in known:
+        items = np.int64(belief[node])
         if items > most or (items == most and node < best):
-            best, most = node, items
+            best, most = node, int(items)
     return best
-
-
-@kernel
-def _remember(
-    swarm: Swarm, arrays: TaskArrays, views: NodeLists, seen: Observation, e: int, a: int
-) -> None:
-    """Take an agent's place as its own best if it has as many items in view as ever."""
-    node, radius, items = seen.agent_node[e, a], arrays.radius_number[a], 0
-    for i in range(views.start[radius, node], views.start[radius, node + 1]):
-        items += seen.belief[e, views.nodes[i]]
-    if items >= swarm.best_items[e, a]:
-        swarm.best_items[e, a], swarm.best_node[e, a] = items, node
 
 
 @kernel
 def _pulled(
     velocity: NDArray[np.float64],
-    arrays: TaskArrays,
+    rows: Int32Array,
+    cols: Int32Array,
     pulls: NDArray[np.float64],
     places: Int32Array,
     node: int,
@@ -95,8 +108,8 @@ def _pulled(
     """Change an agent's velocity (2,) by the pulls (term,) of places (term,), -1 none."""
     for term in range(4):
         if places[term] >= 0:
-            velocity[0] += pulls[term] * (arrays.rows[places[term]] - arrays.rows[node])
-            velocity[1] += pulls[term] * (arrays.cols[places[term]] - arrays.cols[node])
+            velocity[0] += pulls[term] * (rows[places[term]] - rows[node])
+            velocity[1] += pulls[term] * (cols[places[term]] - cols[node])
     velocity *= length / (math.sqrt(velocity[0] ** 2 + velocity[1] ** 2) + DAMPING)
 
 
@@ -120,6 +133,7 @@ def _nearest_move(
 @kernel
 def _fly(
     arrays: TaskArrays,
+    cells: Int32Array,
     order: NDArray[np.int64],
     views: NodeLists,
     swarm: Swarm,
@@ -127,31 +141,39 @@ def _fly(
     seen: Observation,
 ) -> None:
     """Bring all velocities up to date, and choose one agent after the other; fill preferences."""
-    n_agents, n_nodes = seen.agent_node.shape[1], seen.belief.shape[1]
+    active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
+    belief, last_seen, known, n_known = seen.belief, seen.last_seen, seen.known, seen.n_known
+    rows, cols, moves, collects = arrays.rows, arrays.cols, arrays.moves, arrays.collects
+    start, nodes, radius_number = views.start, views.nodes, arrays.radius_number
+    n_agents = agent_node.shape[1]
     targets, ends = np.empty((n_agents, 9), np.int32), np.empty(n_agents, np.int32)
-    unseen, places, pulls = np.empty(n_nodes, np.int32), np.empty(4, np.int32), np.empty(4)
-    for e in range(seen.active.size):
-        if not seen.active[e]:
+    places, pulls = np.empty(4, np.int32), np.empty(4)
+    for e in range(active.size):
+        if not active[e]:
             continue
-        key, n_unseen = stream_key(seen.keys[e], Stream.POLICY), 0
-        possible_targets(arrays, seen.agent_node[e], targets)
-        for node in range(n_nodes):
-            unseen[n_unseen] = node
-            n_unseen += seen.last_seen[e, node] == NEVER
-        places[1] = _richest(seen, e)
-        for chosen, a in enumerate(order):
-            _remember(swarm, arrays, views, seen, e, a)
-            node, case = seen.agent_node[e, a], COLLECTING if arrays.collects[a] else EXPLOITING
-            if seen.n_known[e] == 0 or (case == EXPLOITING and seen.step[e] <= LAST_EXPLORING):
+        key, items = stream_key(keys[e], Stream.POLICY), known[e, : n_known[e]]
+        possible_targets(arrays, agent_node[e], targets)
+        places[1] = _richest(belief[e], items)
+        for chosen in range(n_agents):
+            a = order[chosen]
+            node, radius, in_view = agent_node[e, a], radius_number[a], 0
+            for i in range(start[radius, node], start[radius, node + 1]):
+                in_view += belief[e, np.uint64(nodes[np.uint64(i)])]
+            if in_view >= swarm.best_items[e, a]:
+                swarm.best_items[e, a], swarm.best_node[e, a] = in_view, node
+            case = COLLECTING if collects[a] else EXPLOITING
+            if items.size == 0 or (case == EXPLOITING and step[e] <= LAST_EXPLORING):
                 case = EXPLORING
             for term in range(4):
-                pulls[term] = WEIGHTS[case, term] * uniform(key, 4 * a + term, seen.step[e])
-            places[0] = swarm.best_node[e, a]
-            places[2] = _nearest(arrays, unseen, n_unseen if case == EXPLORING else 0, node)
-            places[3] = _nearest(arrays, seen.known[e], seen.n_known[e], node)
-            _pulled(swarm.velocity[e, a], arrays, pulls, places, node, arrays.moves[a])
-            about = swarm.velocity[e, a], arrays.moves[a], targets[a], ends, chosen
-            move = _nearest_move(*about)
+                pulls[term] = WEIGHTS[case, term] * uniform(key, 4 * a + term, step[e])
+            places[0], places[2], places[3] = swarm.best_node[e, a], -1, -1
+            if case == EXPLORING:
+                places[2] = _nearest_new(cells, last_seen[e], rows[node], cols[node])
+            else:
+                places[3] = _nearest_of(rows, cols, items, node)
+            velocity = swarm.velocity[e, a]
+            _pulled(velocity, rows, cols, pulls, places, node, moves[a])
+            move = _nearest_move(velocity, moves[a], targets[a], ends, chosen)
             ends[chosen] = targets[a, move] if targets[a, move] >= 0 else node
             make_final(preferences[e, a], move)
 
@@ -169,8 +191,8 @@ class Pso2025Policy:
             best_items=np.zeros(agents, np.int32),
         )
         self._preferences = np.zeros((*agents, 9))
-        about = task.fleet.order, task.views, self.swarm, self._preferences
-        self._fly = BoundKernel(_fly, task.arrays, *about)
+        about = task.graph.node_of_cell, task.fleet.order, task.views, self.swarm
+        self._fly = BoundKernel(_fly, task.arrays, *about, self._preferences)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): the move nearest to each velocity."""

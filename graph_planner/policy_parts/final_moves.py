@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel
+from mjforage.base.compiled import inlined, kernel
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.mission.moves import FINAL
@@ -19,7 +19,7 @@ def make_final(preferences: NDArray[np.float64], move: int) -> None:
     preferences[move] = FINAL
 
 
-@kernel
+@inlined
 def is_taken(ends: Int32Array, chosen: int, node: int) -> bool:
     """True if a node is among the first `chosen` end nodes (agent,)."""
     found = False
@@ -29,7 +29,22 @@ def is_taken(ends: Int32Array, chosen: int, node: int) -> bool:
 
 
 @kernel
-def squared_distance(rows: Int32Array, cols: Int32Array, one: int, other: int) -> int:
-    """Squared Euclidean distance of two nodes, across land [node^2]."""
-    down, right = np.int64(rows[one] - rows[other]), np.int64(cols[one] - cols[other])
-    return int(down * down + right * right)
+def squared_to_nearest(
+    rows: Int32Array, cols: Int32Array, nodes: Int32Array, ends: Int32Array, out: NDArray[np.int64]
+) -> None:
+    """Squared Euclidean distance to the nearest of some nodes, across land [node^2].
+
+    Parameters
+    ----------
+    rows, cols : (node,) of the map
+    ends : (end,) from where; of -1 the result means nothing
+    out : (end,) the result, `FARTHEST` without nodes
+    """
+    row, col = np.empty(ends.size, np.int64), np.empty(ends.size, np.int64)
+    for i in range(ends.size):
+        row[i], col[i], out[i] = rows[ends[i]], cols[ends[i]], FARTHEST
+    for node in nodes:
+        its_row, its_col = np.int64(rows[node]), np.int64(cols[node])
+        for i in range(ends.size):
+            down, right = row[i] - its_row, col[i] - its_col
+            out[i] = min(out[i], down * down + right * right)

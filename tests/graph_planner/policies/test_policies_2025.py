@@ -142,7 +142,7 @@ def test_a_velocity_is_pulled_and_scaled_to_just_below_the_length_of_the_move() 
     velocity = np.array([1.0, 0.0])
     places = np.array([node[4, 8], node[4, 0], -1, -1], np.int32)
     pulls = np.array([0.5, 0.25, 9.0, 9.0])
-    _pulled(velocity, task.arrays, pulls, places, node[4, 4], 2)
+    _pulled(velocity, task.graph.rows, task.graph.cols, pulls, places, node[4, 4], 2)
     scaled = 2.0 / (math.sqrt(2.0) + 0.01)
     np.testing.assert_allclose(velocity, [scaled, scaled], rtol=1e-14)
 
