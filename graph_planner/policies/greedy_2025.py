@@ -16,11 +16,7 @@ from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policies.registry import register
-from mjforage.graph_planner.policy_parts.final_moves import (
-    is_taken,
-    make_final,
-    squared_to_nearest,
-)
+from mjforage.graph_planner.policy_parts.final_moves import is_taken, make_final, squared_to_nearest
 from mjforage.graph_planner.policy_parts.seeking import possible_targets
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import NEVER, Observation, Task, TaskArrays
@@ -28,15 +24,6 @@ from mjforage.mission.task import NEVER, Observation, Task, TaskArrays
 PER_ITEM, PER_NEW_NODE, PER_NEW_NODE_LATE = 50.0, 2.0, 1.0
 LATE = 0.8
 """Share of the nodes seen, above which a new one counts less."""
-
-
-@kernel
-def _count_new(last_seen: NDArray[np.int16]) -> int:
-    """How many nodes (node,) were never seen."""
-    count = 0
-    for seen in last_seen:
-        count += seen == NEVER
-    return count
 
 
 @kernel
@@ -60,7 +47,7 @@ def _choose(
             continue
         fill_bits(stream_key(keys[e], Stream.POLICY), step[e], draws.size, draws)
         possible_targets(arrays, agent_node[e], targets)
-        late = n_nodes - _count_new(last_seen[e]) > LATE * n_nodes
+        late = (last_seen[e] != NEVER).sum() > LATE * n_nodes
         per_new = PER_NEW_NODE_LATE if late else PER_NEW_NODE
         items = known[e, : n_known[e]]
         for chosen in range(n_agents):

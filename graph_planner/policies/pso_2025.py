@@ -20,11 +20,7 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policies.registry import register
-from mjforage.graph_planner.policy_parts.final_moves import (
-    FARTHEST,
-    is_taken,
-    make_final,
-)
+from mjforage.graph_planner.policy_parts.final_moves import FARTHEST, is_taken, make_final
 from mjforage.graph_planner.policy_parts.seeking import possible_targets
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import NEVER, Observation, Task, TaskArrays
@@ -49,15 +45,19 @@ class Swarm(NamedTuple):
 
 
 @kernel
-def _nearest_of(rows: Int32Array, cols: Int32Array, nodes: Int32Array, place: int) -> int:
-    """The one of some nodes nearest to a place, the lowest of equals; -1 if there is none."""
-    best, least = -1, FARTHEST
-    for node in nodes:
+def _items_of(
+    rows: Int32Array, cols: Int32Array, belief: NDArray[np.int16], known: Int32Array, place: int
+) -> tuple[int, int]:
+    """The richest node of those with items and the nearest one; -1 if there is none."""
+    richest, most, nearest, least = -1, 0, -1, FARTHEST
+    for node in known:
         down, right = np.int64(rows[node] - rows[place]), np.int64(cols[node] - cols[place])
-        squared = down * down + right * right
-        if squared < least or (squared == least and node < best):
-            best, least = node, int(squared)
-    return best
+        squared, items = down * down + right * right, np.int64(belief[node])
+        if items > most or (items == most and node < richest):
+            richest, most = node, int(items)
+        if squared < least or (squared == least and node < nearest):
+            nearest, least = node, int(squared)
+    return richest, nearest
 
 
 @kernel
@@ -81,17 +81,6 @@ def _nearest_new(cells: Int32Array, last_seen: NDArray[np.int16], row: int, col:
                     squared = (r - row) ** 2 + (c - col) ** 2
                     if squared < least or (squared == least and cells[r, c] < best):
                         best, least = cells[r, c], squared
-    return best
-
-
-@kernel
-def _richest(belief: NDArray[np.int16], known: Int32Array) -> int:
-    """The one of some nodes with most believed items, the lowest of equals; -1 if none."""
-    best, most = -1, 0
-    for node in known:
-        items = np.int64(belief[node])
-        if items > most or (items == most and node < best):
-            best, most = node, int(items)
     return best
 
 
@@ -153,7 +142,6 @@ def _fly(
             continue
         key, items = stream_key(keys[e], Stream.POLICY), known[e, : n_known[e]]
         possible_targets(arrays, agent_node[e], targets)
-        places[1] = _richest(belief[e], items)
         for chosen in range(n_agents):
             a = order[chosen]
             node, radius, in_view = agent_node[e, a], radius_number[a], 0
@@ -166,11 +154,10 @@ def _fly(
                 case = EXPLORING
             for term in range(4):
                 pulls[term] = WEIGHTS[case, term] * uniform(key, 4 * a + term, step[e])
-            places[0], places[2], places[3] = swarm.best_node[e, a], -1, -1
+            places[0], places[2] = swarm.best_node[e, a], -1
             if case == EXPLORING:
                 places[2] = _nearest_new(cells, last_seen[e], rows[node], cols[node])
-            else:
-                places[3] = _nearest_of(rows, cols, items, node)
+            places[1], places[3] = _items_of(rows, cols, belief[e], items, node)
             velocity = swarm.velocity[e, a]
             _pulled(velocity, rows, cols, pulls, places, node, moves[a])
             move = _nearest_move(velocity, moves[a], targets[a], ends, chosen)

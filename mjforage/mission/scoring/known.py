@@ -68,8 +68,8 @@ def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Me
     )
 
 
-def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[ImportSpec, ...]:
-    """Import paths, for other processes, of those metrics that they do not take by themselves.
+def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[str | ImportSpec, ...]:
+    """What other processes are given for them to take the same metrics: keys, or import paths.
 
     Raises
     ------
@@ -77,7 +77,9 @@ def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[ImportSpec, ...]:
         If one is of the script itself, which another process cannot import.
     """
     return tuple(
-        METRICS.import_spec(one.key, one) for one in metrics if one.on_request or not is_ours(one)
+        one.key if is_ours(one) else METRICS.import_spec(one.key, one)
+        for one in metrics
+        if one.on_request or not is_ours(one)
     )
 
 

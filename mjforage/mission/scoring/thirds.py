@@ -4,8 +4,6 @@ Taken in a run that names them: `--metric mse_33`. The last value of an episode 
 the paper's name for a root of squared errors (IEEE RA-L 10(5):4930; preprint arXiv 2412.02316).
 """
 
-from typing import ClassVar
-
 import numpy as np
 
 from mjforage.mission.scoring.belief_error import ErrorPerColumn
@@ -14,71 +12,22 @@ from mjforage.mission.scoring.metric import Batch, FloatArray, Metric
 from mjforage.mission.scoring.primary import ItemsRemoved
 
 
-class AfterShare(Metric):
-    """Base of a series' values after a share of the steps, rounded up.
+def after_share(of: type[Metric], name: str, percent: int) -> type[Metric]:
+    """Metric NAME_PERCENT: the series of another after a share of the horizon [%], rounded up."""
 
-    Attributes
-    ----------
-    of : whose series
-    percent : of the horizon [%]
-    """
+    class AfterShare(Metric):
+        key, label = f"{name}_{percent}", f"{name.upper()}_{percent}"
+        unit, better, digits, least, most = of.unit, of.better, of.digits, of.least, of.most
+        on_request, compared, drawn = True, False, False
 
-    of: ClassVar[type[Metric]]
-    percent: ClassVar[int]
-    on_request, compared, drawn, least = True, False, False, 0.0
+        def value(self, batch: Batch) -> FloatArray:
+            """(episode,)."""
+            return np.array(batch.series(of)[:, -(-batch.horizon * percent // 100)])
 
-    def value(self, batch: Batch) -> FloatArray:
-        """(episode,)."""
-        return np.array(batch.series(self.of)[:, -(-batch.horizon * self.percent // 100)])
+    AfterShare.__doc__ = f"`{of.key}` after {percent} % of the steps, {name.upper()} in 2025."
+    return AfterShare
 
 
-class _Mse(AfterShare):
-    of, better, digits = ErrorPerColumn, -1, ErrorPerColumn.digits
-    unit, most = ErrorPerColumn.unit, ErrorPerColumn.most
-
-
-class _Ptc(AfterShare):
-    of, better, digits = ItemsRemoved, 1, ItemsRemoved.digits
-    unit, most = ItemsRemoved.unit, ItemsRemoved.most
-
-
-@metric
-class Mse33(_Mse):
-    """`rmse_columns` after a third of the steps, "MSE" of the paper of 2025."""
-
-    key, label, percent = "mse_33", "MSE_33", 33
-
-
-@metric
-class Mse66(_Mse):
-    """`rmse_columns` after two thirds of the steps, "MSE" of the paper of 2025."""
-
-    key, label, percent = "mse_66", "MSE_66", 66
-
-
-@metric
-class Mse100(_Mse):
-    """`rmse_columns` after all steps, "MSE" of the paper of 2025."""
-
-    key, label, percent = "mse_100", "MSE_100", 100
-
-
-@metric
-class Ptc33(_Ptc):
-    """Items removed after a third of the steps, of all K items."""
-
-    key, label, percent = "ptc_33", "PTC_33", 33
-
-
-@metric
-class Ptc66(_Ptc):
-    """Items removed after two thirds of the steps, of all K items."""
-
-    key, label, percent = "ptc_66", "PTC_66", 66
-
-
-@metric
-class Ptc100(_Ptc):
-    """Items removed after all steps, of all K items."""
-
-    key, label, percent = "ptc_100", "PTC_100", 100
+for _percent in (33, 66, 100):
+    metric(after_share(ErrorPerColumn, "mse", _percent))
+    metric(after_share(ItemsRemoved, "ptc", _percent))
