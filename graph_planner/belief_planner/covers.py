@@ -15,6 +15,7 @@ from mjforage.graph_planner.belief_planner.ways import UInt16Array, Ways, search
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph
 from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.moves import MoveRules
 from mjforage.mission.task import Task
 
 LANDMARKS = 40
@@ -106,9 +107,7 @@ def view_cover(
     radii: tuple[float, ...],
     radius: int,
     moves: int,
-    stay: bool,
-    shorten: bool,
-    jump: bool = False,
+    rules: MoveRules,
     across_land: bool = False,
 ) -> Cover:
     """Cover by plain sight: cells are nodes, seen within a radius.
@@ -116,12 +115,12 @@ def view_cover(
     Parameters
     ----------
     radii, radius : the fleet's radii, and the number of the one that is meant
-    moves, stay, shorten, jump : how the scout moves, see `MoveRules`
+    moves, rules : how the scout moves
     across_land : True if it sees across land
     """
     lists = graph.discs(radii) if across_land else graph.views(radii)
     marks, belongs = landmarks_of(graph)
-    ways = ways_of(graph, moves, stay, shorten, jump)
+    ways = ways_of(graph, moves, rules)
     start = lists.start[radius]
     return _cover(ways, start, lists.nodes, belongs, marks)
 
@@ -187,16 +186,14 @@ def _block_cover(
     radii: tuple[float, ...],
     radius: int,
     moves: int,
-    stay: bool,
-    shorten: bool,
-    jump: bool,
+    rules: MoveRules,
     across_land: bool,
     spread: float,
     detection: tuple[float, ...],
     least: float,
 ) -> BlockCover:
     if len(graph) > TABLE_LIMIT:  # plain sight, one block per node
-        plain = view_cover(graph, radii, radius, moves, stay, shorten, jump, across_land)
+        plain = view_cover(graph, radii, radius, moves, rules, across_land)
         return BlockCover(plain, np.arange(len(graph), dtype=np.int32))
     across = graph.shape[1] // BLOCK + 1
     names = graph.rows // BLOCK * across + graph.cols // BLOCK
@@ -210,7 +207,7 @@ def _block_cover(
     marks, belongs = landmarks_of(graph)
     landmark = np.zeros(found.size, np.int32)
     landmark[block[::-1]] = belongs[::-1]
-    ways = ways_of(graph, moves, stay, shorten, jump)
+    ways = ways_of(graph, moves, rules)
     return BlockCover(_cover(ways, start, cells, landmark, block[marks]), block)
 
 
@@ -227,9 +224,7 @@ def hotspot_cover(task: Task, agent: int, settings: BeliefSettings) -> BlockCove
         task.view_radii,
         int(task.radius_number[agent]),
         int(task.fleet.moves[agent]),
-        task.rules.stay,
-        task.rules.shorten,
-        task.rules.jump,
+        task.rules,
         task.across_land,
         settings.spread_node,
         tuple(assumed_chances(task, settings).tolist()),

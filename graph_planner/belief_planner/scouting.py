@@ -80,7 +80,7 @@ class Scouting:
     def __init__(
         self, task: Task, settings: BeliefSettings, agents: NDArray[np.int64] | None = None
     ) -> None:
-        graph, fleet, rules = task.graph, task.fleet, task.rules
+        graph, fleet = task.graph, task.fleet
         self.agents = fleet.discoverers if agents is None else agents
         self.covers: list[Cover] = [
             view_cover(
@@ -88,17 +88,12 @@ class Scouting:
                 task.view_radii,
                 int(task.radius_number[a]),
                 int(fleet.moves[a]),
-                rules.stay,
-                rules.shorten,
-                rules.jump,
+                task.rules,
                 task.across_land,
             )
             for a in self.agents
         ]
-        self._ends = [
-            ways_of(graph, int(fleet.moves[a]), rules.stay, rules.shorten, rules.jump).ends
-            for a in self.agents
-        ]
+        self._ends = [ways_of(graph, int(fleet.moves[a]), task.rules).ends for a in self.agents]
         self._beam, self._depth = (6, 6) if settings.fast else (16, 10)
         if not settings.sweeps:
             self._beam, self._depth = 1, 1

@@ -94,19 +94,15 @@ def row_to(ways: Ways, node: int) -> int:
 
 
 @lru_cache(maxsize=16)
-def ways_of(
-    graph: NavigationGraph, moves: int, stay: bool, shorten: bool, jump: bool = False
-) -> Ways:
+def ways_of(graph: NavigationGraph, moves: int, rules: MoveRules) -> Ways:
     """Ways of a mover on a map, made once and kept.
 
     Parameters
     ----------
     graph : map
     moves : nodes per decision
-    stay, shorten, jump : see `MoveRules`
     """
-    rules, n = MoveRules(stay, shorten, jump), len(graph)
-    ends = all_targets(graph, np.array([moves]), rules)[1][0]
+    ends, n = all_targets(graph, np.array([moves]), rules)[1][0], len(graph)
     start, before = _reversed(ends)
     rows = n if n <= TABLE_LIMIT else rows_worth_keeping(n, 2)
     return Ways(
@@ -138,8 +134,7 @@ class Group:
         """The group of some agents of a task."""
         lengths = sorted({int(m) for m in task.fleet.moves[agents]}) or [1]
         kind = np.searchsorted(lengths, task.fleet.moves[agents]).astype(np.int64)
-        how = task.rules.stay, task.rules.shorten, task.rules.jump
-        return cls(agents, kind, tuple(ways_of(task.graph, m, *how) for m in lengths))
+        return cls(agents, kind, tuple(ways_of(task.graph, m, task.rules) for m in lengths))
 
     def ways_of(self, agent: int) -> Ways:
         """The ways of one of the agents."""

@@ -62,44 +62,26 @@ def _items_of(
 
 @kernel
 def _nearest_new(cells: Int32Array, last_seen: NDArray[np.int16], row: int, col: int) -> int:
-    """The nearest node never seen, the lowest of equals; -1 if there is none.
+    """The node never seen that is nearest to a cell, the lowest of equals; -1 if there is none.
 
     Parameters
     ----------
     cells : (row, column) node of each cell, -1 on land
     last_seen : (node,)
-    row, col : from where; searched in squares around it
     """
     best, least, height, width = -1, FARTHEST, cells.shape[0], cells.shape[1]
-    for ring in range(max(height, width)):
-        if ring * ring > least:
-            break
-        for r in range(max(0, row - ring), min(height, row + ring + 1)):
-            whole = abs(r - row) == ring or ring == 0
-            for c in range(col - ring, col + ring + 1, 1 if whole else 2 * ring):
-                if 0 <= c < width and cells[r, c] >= 0 and last_seen[cells[r, c]] == NEVER:
-                    squared = (r - row) ** 2 + (c - col) ** 2
-                    if squared < least or (squared == least and cells[r, c] < best):
-                        best, least = cells[r, c], squared
+    for down in range(height):
+        for right in range(width):
+            squared = down * down + right * right
+            if squared > least:
+                break
+            for r in (row - down, row + down):
+                for c in (col - right, col + right):
+                    if 0 <= r < height and 0 <= c < width and cells[r, c] >= 0:
+                        node = cells[r, c]
+                        if last_seen[node] == NEVER and (squared < least or node < best):
+                            best, least = node, squared
     return best
-
-
-@kernel
-def _pulled(
-    velocity: NDArray[np.float64],
-    rows: Int32Array,
-    cols: Int32Array,
-    pulls: NDArray[np.float64],
-    places: Int32Array,
-    node: int,
-    length: int,
-) -> None:
-    """Change an agent's velocity (2,) by the pulls (term,) of places (term,), -1 none."""
-    for term in range(4):
-        if places[term] >= 0:
-            velocity[0] += pulls[term] * (rows[places[term]] - rows[node])
-            velocity[1] += pulls[term] * (cols[places[term]] - cols[node])
-    velocity *= length / (math.sqrt(velocity[0] ** 2 + velocity[1] ** 2) + DAMPING)
 
 
 @kernel
@@ -136,7 +118,7 @@ def _fly(
     start, nodes, radius_number = views.start, views.nodes, arrays.radius_number
     n_agents = agent_node.shape[1]
     targets, ends = np.empty((n_agents, 9), np.int32), np.empty(n_agents, np.int32)
-    places, pulls = np.empty(4, np.int32), np.empty(4)
+    places = np.empty(4, np.int32)
     for e in range(active.size):
         if not active[e]:
             continue
@@ -152,14 +134,18 @@ def _fly(
             case = COLLECTING if collects[a] else EXPLOITING
             if items.size == 0 or (case == EXPLOITING and step[e] <= LAST_EXPLORING):
                 case = EXPLORING
-            for term in range(4):
-                pulls[term] = WEIGHTS[case, term] * uniform(key, 4 * a + term, step[e])
-            places[0], places[2] = swarm.best_node[e, a], -1
+            places[0], places[1:] = swarm.best_node[e, a], -1
             if case == EXPLORING:
                 places[2] = _nearest_new(cells, last_seen[e], rows[node], cols[node])
-            places[1], places[3] = _items_of(rows, cols, belief[e], items, node)
+            else:
+                places[1], places[3] = _items_of(rows, cols, belief[e], items, node)
             velocity = swarm.velocity[e, a]
-            _pulled(velocity, rows, cols, pulls, places, node, moves[a])
+            for term in range(4):
+                if places[term] >= 0:
+                    pull = WEIGHTS[case, term] * uniform(key, 4 * a + term, step[e])
+                    velocity[0] += pull * (rows[places[term]] - rows[node])
+                    velocity[1] += pull * (cols[places[term]] - cols[node])
+            velocity *= moves[a] / (math.sqrt(velocity[0] ** 2 + velocity[1] ** 2) + DAMPING)
             move = _nearest_move(velocity, moves[a], targets[a], ends, chosen)
             ends[chosen] = targets[a, move] if targets[a, move] >= 0 else node
             make_final(preferences[e, a], move)

@@ -26,7 +26,7 @@ TASK = replace(
     task_of(SEA, scouts=Role(1, 2, 4.0, False), foragers=Role(2, 1, 1.0, True)), reach_node=5.0
 )
 SCOUT, FORAGER, OTHER = range(3)
-WAYS = ways_of(SEA, 2, TASK.rules.stay, TASK.rules.shorten)
+WAYS = ways_of(SEA, 2, TASK.rules)
 NEWS = np.array([5, 18], np.int32)  # steps in which two items were first seen
 
 
@@ -125,7 +125,7 @@ def test_beside_is_not_near_with_a_quay_between() -> None:
     team = task_of(graph, scouts=Role(1, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
     seen = observation_of(replace(team, reach_node=5.0), [(0, 9), (0, 11)], step=21)
     seen.owner[:], seen.agent_seen[0, 1] = 0, 10
-    ways = ways_of(graph, 2, team.rules.stay, team.rules.shorten)
+    ways = ways_of(graph, 2, team.rules)
     touch = Connectivity(replace(team, reach_node=5.0), BeliefSettings(), 1)
     assert touch.tells(seen, 0, NEWS, ways) != NOBODY, "it has to go round"
 

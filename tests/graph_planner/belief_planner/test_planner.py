@@ -12,6 +12,7 @@ from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import create_policy, is_upper_bound
 from mjforage.graph_planner.policies.belief import BeliefPolicy
+from mjforage.mission.moves import MoveRules
 from mjforage.mission.task import NEVER, GroundTruth
 from mjforage.scenario.prior import Prior
 from mjforage.scenario.roles import Role
@@ -225,7 +226,7 @@ def test_robust_assumptions_are_wide() -> None:
 
 
 def test_waiting_foragers_go_to_where_they_are_near_to_everything() -> None:
-    ways = ways_of(SEA, 1, True, True)
+    ways = ways_of(SEA, 1, MoveRules(True, True))
     marks = SEA.node_of_cell[[5, 25], [15, 15]].astype(np.int32)
     move, at = np.zeros(9), int(SEA.node_of_cell[15, 3])
     approach(ways, marks, np.array([1.0, 1.0]), at, move)
@@ -236,7 +237,7 @@ def test_waiting_foragers_go_to_where_they_are_near_to_everything() -> None:
 
 def test_what_lies_behind_the_foragers_is_regretted_most() -> None:
     """One forager half-way between two places goes to the likelier; the other costs two a step."""
-    ways = (ways_of(SEA, 1, True, True),)
+    ways = (ways_of(SEA, 1, MoveRules(True, True)),)
     marks = SEA.node_of_cell[[15, 15], [1, 29]].astype(np.int32)
     at, kind = SEA.node_of_cell[15:16, 15].copy(), np.zeros(1, np.int64)
     regret = regrets(ways, marks, np.array([1.0, 2.0]), kind, at, 6)

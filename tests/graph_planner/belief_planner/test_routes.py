@@ -27,6 +27,7 @@ from mjforage.graph_planner.belief_planner.stops import (
 from mjforage.graph_planner.belief_planner.taking import Taking, quays_beside
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.moves import MoveRules
 from tests.graph_planner.driver import float_item
 
 F64 = NDArray[np.float64]
@@ -256,7 +257,7 @@ SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)
 AT_ONCE = Taking(np.zeros((2, 3, 4)), np.zeros(3), 0.0)
 FORAGER = 0.1 * np.arange(12.0).reshape(3, 4)  # after a scout, which takes nothing
 HULLS = Taking(np.stack((np.full((3, 4), 9.0), FORAGER)), np.array([0.0, 0.2, 1.5]), 0.5)
-BOUNDARY, WAYS = boundary_of(SEA), (ways_of(SEA, 1, True, True),)
+BOUNDARY, WAYS = boundary_of(SEA), (ways_of(SEA, 1, MoveRules(True, True)),)
 
 
 def test_stops_are_where_items_are_met_and_add_up_their_weights() -> None:

@@ -17,6 +17,7 @@ from mjforage.graph_planner.belief_planner.sweeps import (
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.moves import MoveRules
 from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import task_of
 
@@ -45,7 +46,7 @@ def in_turn(scouting: Scouting, covers: list[Cover], at: Int32Array, mass: F64) 
         for j in range(len(nodes)):
             if j != i:
                 until_seen(covers[j], ends_at[j], float(DEPTH * (j < i)), elsewhere)
-        ends = ways_of(SEA, int(TASK.fleet.moves[agent]), True, True).ends
+        ends = ways_of(SEA, int(TASK.fleet.moves[agent]), MoveRules(True, True)).ends
         scratch, row = sight(len(SEA)), preferences[agent]
         about = elsewhere, LATE, BEAM, DEPTH, True, scratch, row, path
         n = search_sweep(ends, covers[i], nodes[i], mass, *about)

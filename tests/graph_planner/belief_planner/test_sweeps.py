@@ -17,13 +17,14 @@ from mjforage.graph_planner.belief_planner.sweeps import (
 )
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, ways_of
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
+from mjforage.mission.moves import MoveRules
 from mjforage.scenario.roles import Role
 from tests.graph_planner.driver import task_of
 
 N, NE, E, SE, S, SW, W, NW = range(8)
 SEA = navigation_graph(np.ones((41, 41), np.bool_), 1.0, False)
-COVER = view_cover(SEA, (2.0,), 0, 1, True, True)
-ENDS = ways_of(SEA, 1, True, True).ends
+COVER = view_cover(SEA, (2.0,), 0, 1, MoveRules(True, True))
+ENDS = ways_of(SEA, 1, MoveRules(True, True)).ends
 
 
 def swept(
@@ -174,8 +175,8 @@ def test_a_search_that_ends_early_begins_as_the_whole_one_does() -> None:
 
 
 def test_covers_list_what_a_move_newly_shows(ragged_coast: NavigationGraph) -> None:
-    cover = view_cover(ragged_coast, (1.0, 4.0), 1, 2, True, True)
-    ends = ways_of(ragged_coast, 2, True, True).ends
+    cover = view_cover(ragged_coast, (1.0, 4.0), 1, 2, MoveRules(True, True))
+    ends = ways_of(ragged_coast, 2, MoveRules(True, True)).ends
 
     def cells_of(v: int) -> list[int]:
         return [int(c) for c in cover.cells[cover.start[v] : cover.start[v + 1]]]
@@ -199,7 +200,7 @@ def test_landmarks_are_spread_out_and_share_the_nodes() -> None:
 def test_covers_count_decisions_until_a_landmark_is_in_view(
     ragged_coast: NavigationGraph,
 ) -> None:
-    cover = view_cover(ragged_coast, (1.0, 4.0), 1, 2, True, True)
+    cover = view_cover(ragged_coast, (1.0, 4.0), 1, 2, MoveRules(True, True))
     marks, _ = landmarks_of(ragged_coast)
     views = ragged_coast.views((4.0,))
     for i in (0, 3, 11):

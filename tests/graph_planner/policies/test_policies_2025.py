@@ -1,7 +1,5 @@
 """The four baselines of the paper of 2025, sentence by sentence, on maps with known answers."""
 
-import math
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -11,7 +9,7 @@ from mjforage.base.randomness import Stream, stream_key, uniform
 from mjforage.graph_planner.graph.navigation import OFFSETS, NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policies.lawnmower_2025 import Lawnmower2025Policy
-from mjforage.graph_planner.policies.pso_2025 import Pso2025Policy, _nearest_move, _pulled
+from mjforage.graph_planner.policies.pso_2025 import Pso2025Policy, _nearest_move
 from mjforage.graph_planner.policies.walk_2025 import Walk2025Policy
 from mjforage.mission.moves import FINAL, MoveRules
 from mjforage.mission.task import NEVER, Observation, Task
@@ -135,18 +133,6 @@ def pso(task: Task, seen: Observation) -> Pso2025Policy:
     return policy
 
 
-def test_a_velocity_is_pulled_and_scaled_to_just_below_the_length_of_the_move() -> None:
-    """(1, 0) + 0.5 (0, 4) - 0.25 (0, 4) = (1, 1), times 2 / (sqrt 2 + .01)."""
-    task = task_of(water(9, 9), JUMP, scouts=scouts())
-    node = task.graph.node_of_cell
-    velocity = np.array([1.0, 0.0])
-    places = np.array([node[4, 8], node[4, 0], -1, -1], np.int32)
-    pulls = np.array([0.5, 0.25, 9.0, 9.0])
-    _pulled(velocity, task.graph.rows, task.graph.cols, pulls, places, node[4, 4], 2)
-    scaled = 2.0 / (math.sqrt(2.0) + 0.01)
-    np.testing.assert_allclose(velocity, [scaled, scaled], rtol=1e-14)
-
-
 @pytest.mark.parametrize(
     ("velocity", "closed", "move"),
     [
@@ -180,17 +166,17 @@ def drawn(seen: Observation, agent: int, term: int) -> float:
 @pytest.mark.parametrize(
     ("step", "believed", "weights"),
     [
-        (76, True, (3.2697, 0.0, 0.0)),
-        (77, True, (0.0, 1.5614, 3.6703)),
-        (77, False, (3.2697, 0.0, 0.0)),
+        (76, True, (0.5, 0.0, 3.2697, 0.0)),
+        (77, True, (3.6845, 1.5614, 0.0, 3.6703)),
+        (77, False, (0.5, 0.0, 3.2697, 0.0)),
     ],
 )
 @pytest.mark.parametrize("collects", [False, True])
 def test_each_term_has_its_weight_and_its_draw(
     step: int, believed: bool, weights: tuple[float, ...], collects: bool
 ) -> None:
-    """Unseen (0, 6) to the north, richest (6, 10) to the east, nearest (8, 6) to the south; the own
-    best place is here and pulls nothing; v is 0 at the start."""
+    """Own best place (6, 2) to the west, richest (6, 10) to the east, unseen (0, 6) to the north,
+    nearest (8, 6) to the south; v is 0 at the start."""
     role = foragers() if collects else scouts(1, 2, 1.0)
     task = task_of(water(13, 13), JUMP, team=role)
     last_seen = seen_all(task)
@@ -198,10 +184,11 @@ def test_each_term_has_its_weight_and_its_draw(
     known = {(6, 10): 5, (8, 6): 1} if believed else {}
     seen = observation_of(task, [(6, 6)], known, last_seen, step)
     policy = pso(task, seen)
+    policy.swarm.best_node[:], policy.swarm.best_items[:] = task.graph.node_of_cell[6, 2], 99
     policy.act(seen)
-    north, east, south = (0.0, 2.0, 3.0) if collects and believed else weights
-    v = np.array([-6 * north * drawn(seen, 0, 2) + 2 * south * drawn(seen, 0, 3), 0.0])
-    v[1] = 4 * east * drawn(seen, 0, 1)
+    c = (0.0, 2.0, 0.0, 3.0) if collects and believed else weights
+    west, east, north, south = (c[term] * drawn(seen, 0, term) for term in range(4))
+    v = np.array([2 * south - 6 * north, 4 * east - 4 * west])
     v *= task.fleet.moves[0] / (np.hypot(*v) + 0.01)
     np.testing.assert_allclose(policy.swarm.velocity[0, 0], v, rtol=1e-12)
 

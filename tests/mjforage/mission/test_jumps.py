@@ -89,7 +89,7 @@ def test_targets_masks_ways_and_reach_follow_the_rule() -> None:
     mask = LegalMoves(task)(np.stack((nodes, nodes), 1), np.full((len(QUAY), 2), np.inf))
     number, targets = all_targets(QUAY, task.fleet.moves, JUMP)
     for agent, stride in enumerate((2, 1)):
-        ends = ways_of(QUAY, stride, False, False, True).ends
+        ends = ways_of(QUAY, stride, JUMP).ends
         for node in nodes:
             alone = legal_of_agent(task.arrays, np.zeros(0, np.int64), -1, agent, int(node), np.inf)
             for move in range(8):
