@@ -55,7 +55,7 @@ def evaluate(
     jobs : processes
     folder : run folder, as the command line writes it; what it holds of the same run is resumed.
         None: nothing is left on disk
-    metrics : ``package.module:Class`` of metrics besides ours
+    metrics : names besides those of every run, such as ``mse_33`` or ``package.module:Class``
     record : episodes to record for reports and films: numbers, first, median, worst, best
     resume : what to do with a run that the folder holds: "same" resumes only the same run, "fresh"
         keeps it aside as NAME.before-TIME, "accept-code-change" resumes it although code differs

@@ -96,6 +96,19 @@ def test_greedy_takes_the_largest_score(
             assert scores[move] == pytest.approx(scores.max(), abs=1e-9)
 
 
+def test_greedy_counts_a_new_node_twice_until_more_than_80_percent_were_seen() -> None:
+    """Two nodes west the item is nearer by 4, two nodes east are 2 new nodes: as good while 16 of
+    20 were seen, less at 17."""
+    task = task_of(water(1, 20), JUMP, scouts=scouts(1, 2, 1.0))
+    for far, share in (((18, 19), 0.5), ((19,), 0.0)):
+        last_seen = seen_all(task)
+        last_seen[[12, 13, *far]] = NEVER
+        seen = observation_of(task, [(0, 10)], {(0, 4): 1}, last_seen, 9, 400)
+        moves = chosen("greedy-2025", task, seen)
+        assert (moves == E).mean() == pytest.approx(share, abs=0.1)
+        assert np.isin(moves, (E, W)).all()
+
+
 def test_greedy_lets_the_highest_number_choose_first_and_closes_its_end_node() -> None:
     """All want (2, 2): the last forager gets it, the other (1, 1); the scout, which chooses after
     them, ends at (0, 2), nearest to (1, 1)."""
@@ -106,21 +119,27 @@ def test_greedy_lets_the_highest_number_choose_first_and_closes_its_end_node() -
 
 
 def test_greedy_breaks_ties_at_random() -> None:
-    task = task_of(water(7, 7), JUMP, foragers=foragers())
-    moves = chosen("greedy-2025", task, observation_of(task, [(3, 3)], episodes=800)).ravel()
-    assert stats.chisquare(np.bincount(moves, minlength=8)).pvalue > 0.001
-    two = observation_of(task, [(3, 3)], {(2, 3): 1, (4, 3): 1}, episodes=800)
-    assert stats.binomtest(int((chosen("greedy-2025", task, two) == N).sum()), 800).pvalue > 0.001
+    task = task_of(water(7, 12), JUMP, foragers=foragers(2))
+    apart = [(3, 3), (3, 8)]
+    moves = chosen("greedy-2025", task, observation_of(task, apart, episodes=800))
+    for agent in (0, 1):
+        assert stats.chisquare(np.bincount(moves[:, agent], minlength=8)).pvalue > 0.001
+    assert (moves[:, 0] == moves[:, 1]).mean() == pytest.approx(1 / 8, abs=0.05)
+    two = observation_of(task, apart, {(2, 3): 1, (4, 3): 1}, episodes=800)
+    north = int((chosen("greedy-2025", task, two)[:, 0] == N).sum())
+    assert stats.binomtest(north, 800).pvalue > 0.001
 
 
 def test_greedy_without_a_free_end_node_moves_at_random() -> None:
-    """Onto land too, where it stays, and onto the other's end node."""
+    """Onto land too, where it stays and closes its node, and onto the end node of another."""
     pair = navigation_graph(grid("..", "##"), 1.0, True)
-    task = task_of(pair, JUMP, foragers=foragers(2))
-    alone = observation_of(task, [(0, 0), (0, 0)], episodes=800)
-    moves = chosen("greedy-2025", task, alone)
-    assert (moves[:, 1] == E).all()
-    assert stats.chisquare(np.bincount(moves[:, 0], minlength=8)).pvalue > 0.001
+    task = task_of(pair, JUMP, foragers=foragers(3))
+    seen = observation_of(task, [(0, 1), (0, 0), (0, 0)], episodes=1600)
+    first, second, third = chosen("greedy-2025", task, seen).T
+    assert (third == E).all()
+    assert stats.chisquare(np.bincount(second, minlength=8)).pvalue > 0.001
+    assert (first[second == E] == W).all()
+    assert stats.chisquare(np.bincount(first[second != E], minlength=8)).pvalue > 0.001
 
 
 # pso-2025

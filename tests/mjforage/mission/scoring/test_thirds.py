@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
+from mjforage.cli.flags import METRIC
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.scoring import METRICS, Scorer, chosen_metrics, import_specs_of
@@ -54,4 +55,5 @@ def test_they_are_taken_where_they_are_named_and_in_other_processes_too() -> Non
     assert not {one.key for one in chosen_metrics()} & set(KEYS)
     assert {one.key for one in chosen_metrics(KEYS)} >= set(KEYS)
     assert import_specs_of(chosen_metrics(["mse_33"])) == ("mse_33",)
+    assert all(key in (METRIC.help or "") for key in KEYS)
     assert METRICS.find("mse_33").unit == "items/node" and METRICS.find("ptc_33").unit == "%"
