@@ -264,7 +264,7 @@ def _resolve(
             best, end, length = -1, node, 0
             final = -1
             if jump:
-                for d in range(STAY):
+                for d in range(STAY - 1, -1, -1):  # the lowest of several
                     if preferences[e, agent, d] >= FINAL and move_length(d, wide) <= energy:
                         final = d
             draw = 1.0

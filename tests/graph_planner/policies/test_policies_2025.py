@@ -11,9 +11,12 @@ from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policies.lawnmower_2025 import Lawnmower2025Policy
 from mjforage.graph_planner.policies.pso_2025 import Pso2025Policy, _nearest_move
 from mjforage.graph_planner.policies.walk_2025 import Walk2025Policy
+from mjforage.mission.mission import Mission
 from mjforage.mission.moves import FINAL, MoveRules
+from mjforage.mission.setup import Setup
 from mjforage.mission.task import NEVER, Observation, Task
 from mjforage.scenario.roles import Role
+from mjforage.scenario.scenario_file import load_scenario
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, preferences, task_of
 
@@ -50,7 +53,7 @@ def seen_all(task: Task, step: int = 0) -> NDArray[np.int16]:
 
 
 def greedy_scores(task: Task, seen: Observation, agent: int) -> NDArray[np.float64]:
-    """(move,) scores straight from the issue's sentences, -inf where the end is no node."""
+    """(move,) scores straight from the sentences, -inf where the end is no node."""
     graph, role_moves = task.graph, int(task.fleet.moves[agent])
     at, known = seen.agent_node[0, agent], seen.known[0, : seen.n_known[0]]
     fresh = seen.last_seen[0] == NEVER
@@ -172,9 +175,10 @@ def test_the_nearest_free_move_is_taken_and_ties_go_from_south_by_east_on(
     targets = np.arange(9, dtype=np.int32)
     taken = np.array([*closed, 99], np.int32)
     on_land = np.where(np.isin(targets, closed), -1, targets).astype(np.int32)
-    speed = np.array(velocity)
-    assert _nearest_move(speed, 1, targets, taken, len(closed)) == move
-    assert _nearest_move(speed, 1, on_land, taken, 0) == move
+    for length in (1, 2):
+        speed = length * np.array(velocity)
+        assert _nearest_move(speed, length, targets, taken, len(closed)) == move
+        assert _nearest_move(speed, length, on_land, taken, 0) == move
 
 
 def drawn(seen: Observation, agent: int, term: int) -> float:
@@ -196,20 +200,21 @@ def test_each_term_has_its_weight_and_its_draw(
 ) -> None:
     """Own best place (6, 2) to the west, richest (6, 10) to the east, unseen (0, 6) to the north,
     nearest (8, 6) to the south; v is 0 at the start."""
-    role = foragers() if collects else scouts(1, 2, 1.0)
+    role = foragers(2) if collects else scouts(2, 2, 1.0)
     task = task_of(water(13, 13), JUMP, team=role)
     last_seen = seen_all(task)
     last_seen[task.graph.node_of_cell[0, 6]] = NEVER
     known = {(6, 10): 5, (8, 6): 1} if believed else {}
-    seen = observation_of(task, [(6, 6)], known, last_seen, step)
+    seen = observation_of(task, [(6, 6)] * 2, known, last_seen, step)
     policy = pso(task, seen)
     policy.swarm.best_node[:], policy.swarm.best_items[:] = task.graph.node_of_cell[6, 2], 99
     policy.act(seen)
     c = (0.0, 2.0, 0.0, 3.0) if collects and believed else weights
-    west, east, north, south = (c[term] * drawn(seen, 0, term) for term in range(4))
-    v = np.array([2 * south - 6 * north, 4 * east - 4 * west])
-    v *= task.fleet.moves[0] / (np.hypot(*v) + 0.01)
-    np.testing.assert_allclose(policy.swarm.velocity[0, 0], v, rtol=1e-12)
+    for agent in (0, 1):
+        west, east, north, south = (c[term] * drawn(seen, agent, term) for term in range(4))
+        v = np.array([2 * south - 6 * north, 4 * east - 4 * west])
+        v *= task.fleet.moves[0] / (np.hypot(*v) + 0.01)
+        np.testing.assert_allclose(policy.swarm.velocity[0, agent], v, rtol=1e-12)
 
 
 def test_the_velocity_goes_on_without_a_factor() -> None:
@@ -238,7 +243,7 @@ def test_the_own_best_place_is_where_most_items_were_in_view_the_latest_of_equal
 
 
 def test_equal_places_go_by_rows() -> None:
-    """Four unseen nodes as near: (2, 4) comes first. Of two as rich, and as near: the upper one."""
+    """Four unseen nodes as near: (2, 4) comes first. Of two as rich, or as near: the upper one."""
     task = task_of(water(9, 9), JUMP, foragers=foragers())
     last_seen = seen_all(task)
     for cell in ((6, 4), (4, 6), (4, 2), (2, 4)):
@@ -246,9 +251,12 @@ def test_equal_places_go_by_rows() -> None:
     seen = observation_of(task, [(4, 4)], {}, last_seen)
     policy = pso(task, seen)
     assert policy.act(seen)[0, 0].argmax() == N
-    for known in ({(6, 4): 1, (2, 4): 1}, {(2, 4): 1, (6, 4): 1}):
-        seen = observation_of(task, [(4, 4)], known, seen_all(task))
-        assert pso(task, seen).act(seen)[0, 0].argmax() == N
+    for known in ({(8, 4): 3, (0, 4): 3, (4, 4): 1}, {(5, 4): 1, (3, 4): 1, (4, 8): 2}):
+        for listed in (known, dict(reversed(known.items()))):
+            seen = observation_of(task, [(4, 4)], listed, seen_all(task))
+            policy = pso(task, seen)
+            policy.act(seen)
+            assert policy.swarm.velocity[0, 0, 0] < 0.0
 
 
 def test_the_swarm_chooses_one_after_the_other_and_without_a_free_move_goes_south() -> None:
@@ -259,6 +267,75 @@ def test_the_swarm_chooses_one_after_the_other_and_without_a_free_move_goes_sout
     pond = task_of(navigation_graph(grid(".."), 1.0, True), JUMP, foragers=foragers(2))
     seen = observation_of(pond, [(0, 0), (0, 0)], {(0, 1): 1}, seen_all(pond))
     assert pso(pond, seen).act(seen)[0].argmax(axis=1).tolist() == [S, E]
+
+
+# (row, column) of the moves as they are numbered there
+TURNS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
+
+
+class PlainSwarm:
+    """Moves of one episode's swarm, straight from the sentences."""
+
+    def __init__(self, task: Task) -> None:
+        self.task, agents = task, len(task.fleet)
+        self.velocity, self.best = np.zeros((agents, 2)), [(0, -1)] * agents
+
+    def moves(self, seen: Observation) -> dict[int, Cell]:
+        """Agent -> (row, column) of its move [node]."""
+        task, graph = self.task, self.task.graph
+        at, cells = np.stack((graph.rows, graph.cols), 1).astype(np.int64), graph.node_of_cell
+        key, belief = stream_key(seen.keys[0], Stream.POLICY), seen.belief[0]
+        believed, new = np.flatnonzero(belief), np.flatnonzero(seen.last_seen[0] == NEVER)
+        found: dict[int, Cell] = {}
+        taken = set[int]()
+        for a in range(len(task.fleet) - 1, -1, -1):  # foragers have the higher numbers
+            here, length = seen.agent_node[0, a], int(task.fleet.moves[a])
+            away = ((at - at[here]) ** 2).sum(axis=1)
+            in_view = int(belief[away <= task.fleet.radius[a] ** 2].sum())
+            if in_view >= self.best[a][0]:
+                self.best[a] = in_view, here
+            c = (0.5, 0.0, 3.2697, 0.0)
+            if believed.size and task.fleet.collects[a]:
+                c = (0.0, 2.0, 0.0, 3.0)
+            elif believed.size and seen.step[0] > 76:
+                c = (3.6845, 1.5614, 0.0, 3.6703)
+            places = [self.best[a][1], here, here, here]
+            if believed.size:
+                places[1] = believed[belief[believed].argmax()]
+                places[3] = believed[away[believed].argmin()]
+            if new.size:
+                places[2] = new[away[new].argmin()]
+            v = self.velocity[a]
+            for term, place in enumerate(places):
+                u = uniform(key, 4 * a + term, int(seen.step[0]))
+                v += c[term] * u * (at[place] - at[here])
+            v *= length / (np.hypot(*v) + 0.01)
+            ends: dict[Cell, int] = {}
+            for way in TURNS:
+                row, col = at[here] + length * np.array(way)
+                inside = 0 <= row < graph.shape[0] and 0 <= col < graph.shape[1]
+                ends[way] = int(cells[row, col]) if inside else -1
+            free = [way for way in TURNS if ends[way] >= 0 and ends[way] not in taken]
+            apart = [((v - length * np.array(way)) ** 2).sum() for way in free]
+            found[a] = free[int(np.argmin(apart))] if free else (1, 0)
+            taken.add(ends[found[a]] if ends[found[a]] >= 0 else int(here))
+        return found
+
+
+@pytest.mark.parametrize(("map_name", "count"), [("comb_port", 2), ("channels", 6)])
+def test_the_swarm_plays_whole_episodes_by_the_sentences(map_name: str, count: int) -> None:
+    teams = f"team.foragers.count={count}", f"team.scouts.count={count}"
+    scenario = load_scenario("published-2025", (f"map.file={map_name}", "map.starts=[]", *teams))
+    mission, policy = Mission(Setup.of(scenario)), create_policy("pso-2025")
+    mission.reset(3, np.arange(1))
+    mission.prepare(policy)
+    plain = PlainSwarm(mission.task)
+    while mission.active.any():
+        seen = mission.owner_observation
+        answer = policy.act(seen)
+        for a, move in plain.moves(seen).items():
+            assert tuple(OFFSETS[answer[0, a].argmax()]) == move, (a, seen.step)
+        mission.advance(answer)
 
 
 # lawnmower-2025 and walk-2025

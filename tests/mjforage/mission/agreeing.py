@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from mjforage.mission.mission import Mission
+from mjforage.mission.moves import FINAL
 from mjforage.mission.scoring import Scorer
 from mjforage.mission.task import NEVER, Observation
 from mjforage.scenario.roles import UNLIMITED
@@ -18,12 +19,16 @@ from tests.mjforage.mission.slow_mission import SlowMission
 def play(
     mission: Mission, slow: list[SlowMission], seed: int, see: Callable[[Mission], None]
 ) -> None:
-    """Play both with the same random preferences, and compare them after every step."""
-    rng = np.random.default_rng(seed)
+    """Play both with the same random preferences, and compare them after every step.
+
+    Where moves jump, some of the preferences are final.
+    """
+    rng, jump = np.random.default_rng(seed), mission.setup.scenario.rules.jump
     agree(mission, slow)
     see(mission)
     while mission.active.any():
         preferences = rng.random((len(slow), len(mission.setup.fleet), 9))
+        preferences[rng.random(preferences.shape) < (0.05 if jump else 0.0)] = FINAL
         active = mission.active.copy()
         mission.advance(preferences)
         for e in np.flatnonzero(active).tolist():
@@ -92,7 +97,8 @@ def _mind(seen: Observation, row: int, oracle: SlowMission, mind: Mind) -> None:
     np.testing.assert_array_equal(seen.belief[row], belief)
     known = seen.known[row, : seen.n_known[row]]
     assert sorted(known.tolist()) == np.flatnonzero(belief).tolist()
-    last = [mind.newest.get(node, (NEVER, 0))[0] for node in range(belief.size)]
+    seen_at = mind.seen
+    last = [seen_at.get(node, NEVER) for node in range(belief.size)]
     assert seen.last_seen[row].tolist() == last
     for a, agent in enumerate(oracle.agents):
         scan = mind.of.get(a, oracle.scans[a, 0])
@@ -140,12 +146,9 @@ class SlowScores:
         truth, pooled = oracle.truth(), oracle.map_of(oracle.pooled.belief())
         ages = [
             np.mean(
-                [
-                    oracle.step - mind.newest[n][0] if n in mind.newest else horizon
-                    for n in range(truth.size)
-                ]
+                [oracle.step - seen_at[n] if n in seen_at else horizon for n in range(truth.size)]
             )
-            for mind in oracle.minds
+            for seen_at in (mind.seen for mind in oracle.minds)
         ]
         now = {
             "rmse": oracle.rmse(truth, pooled)[0],

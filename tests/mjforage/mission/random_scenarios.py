@@ -23,6 +23,9 @@ TEAMS: dict[str, Any] = {
     "team.foragers.energy": (0.0, 6.0),
     "rules.stay": (True, False),
     "rules.shorten": (True, False),
+    "rules.jump": (True, False),
+    "rules.start_seen": (True, False),
+    "rules.sight": ("line", "disc"),
     "rules.walls": WALLS,
     "rules.order": ([], ["scouts", "foragers"]),
 }
@@ -117,6 +120,8 @@ def scenarios(draw: st.DrawFn) -> Drawn:
     drawn: dict[str, Any] = {key: draw(st.sampled_from(values)) for key, values in choices.items()}
     if drawn["team.scouts.count"] + drawn["team.foragers.count"] == 0:
         drawn["team.scouts.count"] = 2
+    drawn["rules.shorten"] &= not drawn["rules.jump"]
+    drawn["rules.start_seen"] |= "link.model" in drawn
     if "sensors.detection" in drawn:
         drawn |= draw(st.sampled_from(FALLING))
     if "link.model" in drawn:

@@ -25,9 +25,12 @@ def line(start: Cell, end: Cell) -> list[Cell]:
 class SlowMap:
     """Nodes are water cells, numbered row by row."""
 
-    def __init__(self, water: NDArray[np.bool_], corner_cutting: bool) -> None:
+    def __init__(
+        self, water: NDArray[np.bool_], corner_cutting: bool, across_land: bool = False
+    ) -> None:
         height, width = water.shape
         self.height, self.width, self.corner_cutting = height, width, corner_cutting
+        self.across_land = across_land
         self.cells = [(r, c) for r in range(height) for c in range(width) if water[r, c]]
         self.number = {cell: i for i, cell in enumerate(self.cells)}
         self.seen_from = cache(self._seen_from)
@@ -40,8 +43,13 @@ class SlowMap:
             return -1
         return self.number.get((row + down, col + right), -1)
 
+    def jumped(self, node: int, direction: int, nodes: int) -> int:
+        """The node that lies so many cells away, whatever is between; -1 if it is none."""
+        (row, col), (down, right) = self.cells[node], COMPASS[direction]
+        return self.number.get((row + nodes * down, col + nodes * right), -1)
+
     def _seen_from(self, node: int, radius: float) -> list[int]:
-        """Nodes no farther than a radius whose straight line is all water."""
+        """Nodes no farther than a radius whose straight line is all water, or is not asked for."""
         row, col = self.cells[node]
         reach = int(radius) + 1
         near = (
@@ -53,7 +61,8 @@ class SlowMap:
         return [
             self.number[cell]
             for cell in near
-            if all(between in self.number for between in line((row, col), cell))
+            if cell in self.number
+            and (self.across_land or all(one in self.number for one in line((row, col), cell)))
         ]
 
     def apart(self, one: int, other: int) -> float:

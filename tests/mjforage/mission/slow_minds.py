@@ -117,6 +117,12 @@ class Mind:
         if scan.agent not in self.of or scan.step >= self.of[scan.agent].step:
             self.of[scan.agent] = scan
 
+    @property
+    def seen(self) -> dict[int, int]:
+        """Node -> newest step at which it was seen; the start's may not count."""
+        first = 0 if self.scenario.rules.start_seen else 1
+        return {node: step for node, (step, _) in self.newest.items() if step >= first}
+
     def belief(self) -> dict[int, int]:
         """Items believed in every node that was seen."""
         sensors = self.scenario.sensors

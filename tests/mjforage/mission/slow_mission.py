@@ -13,6 +13,7 @@ from scipy.ndimage import gaussian_filter
 
 from mjforage.base.randomness import Stream, episode_keys, normal, stream_key
 from mjforage.forcing.item_noise import item_noise
+from mjforage.mission.moves import FINAL
 from mjforage.mission.setup import Setup
 from mjforage.scenario.roles import Role
 from tests.mjforage.mission.slow_link import SlowLink
@@ -58,7 +59,8 @@ class SlowMission:
 
     def __init__(self, setup: Setup, seed: int, episode: int) -> None:
         self.scenario = scenario = setup.scenario
-        self.water = SlowMap(setup.grid.navigable, scenario.map.corner_cutting)
+        across = scenario.rules.sight == "disc"
+        self.water = SlowMap(setup.grid.navigable, scenario.map.corner_cutting, across)
         keys = episode_keys(seed, np.array([episode]))
         self.key, self.step = int(keys[0]), 0
         starts = setup.create_initial_state(keys).agent_node[0].tolist()
@@ -90,7 +92,8 @@ class SlowMission:
     def _items(self) -> dict[int, tuple[float, float]]:
         """Items around the hotspots, dealt out in turn."""
         items, cells = self.scenario.items, self.water.cells
-        count = max(1, round(items.mean + items.std * self._normal(0, 0)))
+        count = round(items.mean + items.std * self._normal(0, 0))
+        count = count if count > 0 else items.otherwise
         spread, walls = math.sqrt(items.covariance_node2), self.scenario.rules.walls
         places = {}
         for k in range(count):
@@ -105,8 +108,10 @@ class SlowMission:
         weather, scenario = self.scenario.weather, self.scenario
         if weather.wind_speed_mps is None:
             reach = weather.drift_node_per_step
-            row, col = (2.0 * drawn(self.key, Stream.WEATHER, axis, 0) - 1.0 for axis in (0, 1))
-            return reach * row, reach * col
+            ranges = weather.drift_ranges_node_per_step or ((-reach, reach), (-reach, reach))
+            row, col = (drawn(self.key, Stream.WEATHER, axis, 0) for axis in (0, 1))
+            (low, high), (left, right) = ranges
+            return low + row * (high - low), left + col * (right - left)
         nodes = 0.03 * weather.wind_speed_mps * scenario.period_s / scenario.map.pitch_m
         if weather.wind_from_deg is None:
             toward = 2.0 * math.pi * drawn(self.key, Stream.WEATHER, 0, 1000)
@@ -137,19 +142,35 @@ class SlowMission:
                     break
                 way.append(following)
             steps = len(way) - 1
+            if rules.jump:
+                way, steps = [self.water.jumped(agent.node, d, agent.role.moves)], agent.role.moves
+            free = way[-1] >= 0 and way[-1] not in chosen
             whole = steps == agent.role.moves or (rules.shorten and steps > 0)
-            if whole and length_of(d, steps) <= agent.energy_left + 1e-9:
+            if free and whole and length_of(d, steps) <= agent.energy_left + 1e-9:
                 options[d] = (way[-1], steps)
         if rules.stay and agent.node not in chosen:
             options[STAY] = (agent.node, 0)
         return options
 
+    def final(self, number: int, wanted: NDArray[np.float64]) -> tuple[int, int, int] | None:
+        """Direction, node (-1: none) and steps of a move that is made whoever is there, if any."""
+        agent, steps = self.agents[number], self.agents[number].role.moves
+        for d in range(8) if self.scenario.rules.jump else ():
+            if wanted[d] >= FINAL and length_of(d, steps) <= agent.energy_left + 1e-9:
+                return d, self.water.jumped(agent.node, d, steps), steps
+        return None
+
+    def hit(self, number: int) -> bool:
+        """Whether an agent's own move does not count in this step."""
+        choice = self.scenario.corruption
+        who = -1 if choice.whole_team else number
+        hit = drawn(self.key, Stream.CORRUPTION, who, self.step) < choice.epsilon
+        return hit and self.agents[number].team == choice.team
+
     def corrupted(self, number: int, options: dict[int, tuple[int, int]]) -> int | None:
         """The move that takes the place of an agent's own; None if it keeps that."""
         choice, agent = self.scenario.corruption, self.agents[number]
-        who = -1 if choice.whole_team else number
-        hit = drawn(self.key, Stream.CORRUPTION, who, self.step) < choice.epsilon
-        if agent.team != choice.team or not hit or not options:
+        if not options or not self.hit(number):
             return None
         open_to, belief = list(options), self.mind_of(number).belief()
         if choice.whole_team and agent.role.collects:
@@ -169,12 +190,18 @@ class SlowMission:
         for number in self.order():
             agent = self.agents[number]
             options = self.legal(agent, chosen)
-            best = self.corrupted(number, options)
+            best, final = self.corrupted(number, options), self.final(number, preferences[number])
             if best is None and options:
                 best = max(options, key=lambda d, n=number: preferences[n, d])  # type: ignore[misc]
-            ways[number] = (STAY, agent.node, 0) if best is None else (best, *options[best])
-            agent.blocked = best is None
+            ways[number] = (STAY, -1, 0) if best is None else (best, *options[best])
+            if final and not self.hit(number):
+                ways[number] = final
+            direction, end, steps = ways[number]
+            agent.blocked = end < 0
+            ways[number] = direction, agent.node if agent.blocked else end, steps
             self.sensors.met["blocked"] += agent.blocked
+            self.sensors.met["final and blocked"] += agent.blocked and steps > 0
+            self.sensors.met["shared"] += ways[number][1] in chosen
             chosen.add(ways[number][1])
         for number, (direction, node, steps) in ways.items():
             agent = self.agents[number]
@@ -280,8 +307,8 @@ class SlowMission:
     def idleness(self) -> NDArray[np.float64]:
         """(node,) 1 before the first scan, then 0 and growing by 1 / (0.9 T)."""
         growth = 1.0 / (0.9 * self.scenario.horizon)
-        seen = self.pooled.newest
-        unseen_for = [self.step - seen[n][0] if n in seen else math.inf for n in self._nodes]
+        seen = self.pooled.seen
+        unseen_for = [self.step - seen[n] if n in seen else math.inf for n in self._nodes]
         return np.minimum(1.0, growth * np.array(unseen_for))
 
     @property

@@ -17,6 +17,7 @@ from tests.mjforage.mission.slow_mission import SlowMission
 
 VARIANTS = {
     "published": (),
+    "published-2025": (),
     "comb-port": ("weather.wind_speed_mps=3", "weather.wind_from_deg=250"),
     "open-bay": (
         *("team.foragers.radius=1", "team.foragers.capacity=1", "weather.drift_node_per_step=0.6"),
@@ -30,7 +31,7 @@ VARIANTS = {
 }
 MET = (
     *("blocked", "random action", "full", "out of energy", "out of the field of view", "missed"),
-    *("overlooked beside another", "invented", "received late"),
+    *("overlooked beside another", "invented", "received late", "final and blocked", "shared"),
 )
 
 
