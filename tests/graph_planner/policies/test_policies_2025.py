@@ -397,10 +397,11 @@ def test_the_count_of_side_moves_is_kept_unless_a_lane_follows() -> None:
     ]
 
 
-def test_lawnmowers_draw_their_directions_and_share_nodes() -> None:
+@pytest.mark.parametrize("name", ["lawnmower-2025", "walk-2025"])
+def test_they_draw_their_directions_and_share_nodes(name: str) -> None:
     task = task_of(water(5, 5), JUMP, foragers=foragers(2))
     seen = observation_of(task, [(2, 2), (2, 2)], episodes=800)
-    moves = chosen("lawnmower-2025", task, seen)
+    moves = chosen(name, task, seen)
     assert stats.chisquare(np.bincount(moves.ravel(), minlength=8)).pvalue > 0.001
     assert 0.05 < (moves[:, 0] == moves[:, 1]).mean() < 0.25
 

@@ -49,7 +49,11 @@ def test_a_move_across_land_needs_the_energy_of_its_length() -> None:
 
 
 def final(
-    roles: dict[str, Role], cells: list[tuple[int, int]], wanted: list[int], rules: MoveRules
+    roles: dict[str, Role],
+    cells: list[tuple[int, int]],
+    wanted: list[int],
+    rules: MoveRules,
+    energy: float = np.inf,
 ) -> Moves:
     """Resolve one final move of each agent."""
     preferences, fleet = np.zeros((1, len(cells), 9)), Fleet.of(roles)
@@ -59,7 +63,7 @@ def final(
         np.ones(1, np.bool_),
         preferences,
         np.array([[QUAY.node_of_cell[cell] for cell in cells]], np.int32),
-        np.full((1, len(cells)), np.inf),
+        np.full((1, len(cells)), energy),
         np.zeros((1, len(QUAY)), np.int16),
         np.ones(1, np.int32),
         np.zeros(1, np.uint64),
@@ -77,6 +81,11 @@ def test_a_final_move_may_share_a_node_and_counts_its_way_where_it_is_blocked() 
     assert stayed.direction.tolist() == [[E, S]]
 
 
+def test_a_final_move_needs_the_energy_of_its_length() -> None:
+    moves = final({"scouts": SCOUT}, [(0, 0)], [E], JUMP, energy=1.9)
+    assert moves.blocked[0, 0] and moves.steps[0, 0] == 0
+
+
 def test_without_jumps_a_final_move_is_one_like_any() -> None:
     moves = final({"scouts": SCOUT}, [(0, 0)], [E], MoveRules(False, False))
     assert where(QUAY, moves, 0) == (2, 0)
@@ -91,7 +100,9 @@ def test_targets_masks_ways_and_reach_follow_the_rule() -> None:
     for agent, stride in enumerate((2, 1)):
         ends = ways_of(QUAY, stride, JUMP).ends
         for node in nodes:
-            alone = legal_of_agent(task.arrays, np.zeros(0, np.int64), -1, agent, int(node), np.inf)
+            about = task.arrays, np.zeros(0, np.int64), -1, agent, int(node)
+            alone, tired = legal_of_agent(*about, np.inf), legal_of_agent(*about, stride - 0.1)
+            assert tired.nonzero()[0].tolist() == [STAY]
             for move in range(8):
                 row = QUAY.rows[node] + stride * OFFSETS[move, 0]
                 col = QUAY.cols[node] + stride * OFFSETS[move, 1]
