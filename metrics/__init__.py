@@ -27,6 +27,7 @@ Definition"; statistics over episodes come beside them.
 | contacts, delay of news | `contact_share`, `handover` | |
 | mean, IQM | `mean`, `iqm`, `count` | |
 | standard error | `sem`, `stratified_sem`, `half_width_95` | tables (1.96 SEM) |
+| time until a share is collected, over episodes | `clearing_time`, `median_time`, `never_share` | |
 | interval of a mean, mean of the worst 5 % | `mean_interval`, `worst_mean` | |
 | paired differences, one or a family | `compared`, `episodes_needed` | |
 | two policies, run by run | `probability_of_improvement` | |
@@ -50,6 +51,7 @@ from mjforage.metrics.calibration import (
     calibration_error,
     reliability,
 )
+from mjforage.metrics.clearing import clearing_time, median_time, never_share
 from mjforage.metrics.comparison import (
     FEWEST,
     Family,
@@ -104,6 +106,7 @@ __all__ = [
     "brier",
     "brier_skill",
     "calibration_error",
+    "clearing_time",
     "compared",
     "contact_share",
     "contributions",
@@ -124,7 +127,9 @@ __all__ = [
     "mean_dsl",
     "mean_idleness",
     "mean_interval",
+    "median_time",
     "model_error",
+    "never_share",
     "normalised",
     "nt",
     "paired_contribution",

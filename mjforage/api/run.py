@@ -115,6 +115,16 @@ class Run(Pictures):
         ]
         return pl.DataFrame(rows, infer_schema_length=None)
 
+    @property
+    def clearing(self) -> pl.DataFrame:
+        """A row per world, policy and share (.5, .9, .99) of the items of an episode: median time
+        until it is collected [min], infinite if never, with its 95 % interval (low, high); share
+        of the n episodes that never get there, with its interval.
+        """
+        from mjforage.view.report.clearing import clearing_frame
+
+        return clearing_frame(self._logs)
+
     def differences(
         self,
         policy: str | None = None,

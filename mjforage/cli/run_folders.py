@@ -178,6 +178,24 @@ def _play(
 
 
 @app.command
+def answer(folders: Annotated[list[Path], Parameter(negative="")], /) -> None:
+    """Print how long it took to collect 50, 90 and 99 % of the items, of one run or of several.
+
+    Fleets side by side are runs of the same scenario, such as with --set team.foragers.count=4.
+
+    Parameters
+    ----------
+    folders
+        Folders that evaluate or compare wrote.
+    """
+    from mjforage.view.report import clearing_table, load_logs, plain_table
+
+    table = clearing_table(*map(load_logs, folders))
+    print_table(plain_table(table))
+    output.print(table.notes[0], soft_wrap=True)
+
+
+@app.command
 def report(
     folder: Path,
     /,

@@ -3,13 +3,22 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from mjforage.view.report.clearing import clearing_table
 from mjforage.view.report.exports import NOTHING_ELSE, Exports, write_page
 from mjforage.view.report.report_page import draw_figures, metric_tables, report_page
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.shown import only, shown_policies
-from mjforage.view.report.text_tables import needed_table, terminal_table
+from mjforage.view.report.text_tables import needed_table, plain_table, terminal_table
 
-__all__ = ["Exports", "needed_table", "terminal_table", "write_report"]
+__all__ = [
+    "Exports",
+    "clearing_table",
+    "load_logs",
+    "needed_table",
+    "plain_table",
+    "terminal_table",
+    "write_report",
+]
 
 
 def write_report(

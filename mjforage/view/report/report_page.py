@@ -8,6 +8,7 @@ from mjforage.runs.run_info import RunInfo
 from mjforage.view.page import Table, style
 from mjforage.view.page.figure import ReportFigure, house_style
 from mjforage.view.report.cells import minutes, number
+from mjforage.view.report.clearing import clearing_table
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.distributions import distribution_figures
@@ -132,7 +133,7 @@ def report_page(logs: RunLogs, shown: RunLogs, pictures: Sequence[ReportFigure])
         [one for one in pictures if one.wide is w and one not in gap] for w in (True, False)
     )
     sections = [
-        Section("result", "Result in brief", notes, [headline]),
+        Section("result", "Result in brief", notes, [headline, clearing_table(shown)]),
         Section("run", "What was run", facts=run_facts(logs), texts={"Command": run.command}),
         Section("scene", "Scenario and tracks", pictures=wide),
         Section("figures", "Figures", curve_words(run), pictures=narrow),

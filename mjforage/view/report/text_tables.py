@@ -200,6 +200,18 @@ def _titled(title: str) -> RichTable:
     )
 
 
+def plain_table(table: Table) -> RichTable:
+    """A report's table for the terminal, intervals below their numbers."""
+    shown = _titled(table.title)
+    shown.add_column(table.head, no_wrap=True)
+    for name, unit in zip(table.columns, table.units, strict=True):
+        shown.add_column(Text(f"{name}\n[{unit}]"), justify="right", no_wrap=True)
+    for one in table.rows:
+        cells = (cell.replace(" (", "\n").rstrip(")").replace(" to ", "–") for cell in one.cells)
+        shown.add_row(Text(one.head, style=one.colour), *map(Text, cells))
+    return shown
+
+
 def needed_table(needed: pl.DataFrame, difference: float) -> RichTable:
     """Rows of `Run.episodes_needed`, for the terminal."""
     metric = describe(needed["metric"][0])

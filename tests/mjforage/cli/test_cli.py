@@ -130,6 +130,7 @@ def test_version_and_help(command: Callable[..., Any]) -> None:
 
 IN_NO_NEW_PLACE = (
     *("policies", "metrics", "scenarios", "validate", "vessels", "compile", "report", "stream"),
+    "answer",
 )
 
 
