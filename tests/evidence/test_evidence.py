@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -137,6 +138,33 @@ def test_numbers_are_of_what_the_commands_play(name: str, monkeypatch: pytest.Mo
         assert [isinstance(cell, dict) for cell in made.cells] == [
             isinstance(cell, dict) for cell in row.cells
         ]
+
+
+def setting(command: str) -> str:
+    """A command without its policies, each of which plays the same episodes alone."""
+    words = plain(command)
+    named = {
+        place + more for place, word in enumerate(words) if word == "--policy" for more in (0, 1)
+    }
+    return " ".join(word for place, word in enumerate(words) if place not in named)
+
+
+def test_what_stands_in_two_tables_is_the_same_number() -> None:
+    """Means of a policy in the episodes of a setting: one table is not older than another."""
+    found: dict[tuple[str, ...], dict[str, float]] = defaultdict(dict)
+    for name, piece in ALL.items():
+        for row in () if name in tables.WHOLE else piece.rows:
+            for cell, column in zip(row.cells, piece.columns, strict=True):
+                spec = piece.spec(column, row)
+                if not isinstance(cell, dict) or "mean" not in cell or "variant" in spec:
+                    continue
+                if spec["way"] in ("mean", "average", "beside"):
+                    of = setting(piece.runs[spec["run"]]["command"])
+                    world = spec.get("world", "graph")
+                    found[of, spec["policy"], world, spec["key"]][name] = cell["mean"]
+    shared = {of: means for of, means in found.items() if len(means) > 1}
+    assert len(shared) > 20
+    assert {of: m for of, m in shared.items() if max(m.values()) - min(m.values()) > 1e-9} == {}
 
 
 @pytest.mark.parametrize(
