@@ -69,7 +69,7 @@ def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Me
 
 
 def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[str | ImportSpec, ...]:
-    """What other processes are given for them to take the same metrics: keys, or import paths.
+    """Keys or import paths, by which other processes take the same metrics.
 
     Raises
     ------
