@@ -171,3 +171,64 @@ def test_of_two_vessels_each_chooses_ways_and_items_by_its_own_model(one: int) -
         np.testing.assert_array_equal(
             alone.command(active, pose[:, own], velocity[:, own]), told[:, own]
         )
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_each_vessel_aims_at_an_item_at_a_quay_until_its_own_bow_is_near(
+    order: tuple[int, int],
+) -> None:
+    """1.85 m before one due north, set 0.5 m aside: the shorter scout aims anew."""
+    water = np.ones((5, 60), np.bool_)
+    water[0] = False
+    pilot, active = Pilot([MODELS[v] for v in order], Chart(water, 4.0), 1), np.ones(1, np.bool_)
+    item = np.array([[[8.0, 13.8], [208.0, 13.8]]])
+    place = item - np.array([0.0, 1.85])
+    pilot.order(active, place, place, np.ones((1, 2), np.bool_))
+    pilot.collect(item)
+    for aside in (0.0, 0.5):
+        pose = np.full((1, 2, 3), 0.5 * np.pi)
+        pose[..., :2] = place + np.array([aside, 0.0])
+        for _ in range(20):
+            pilot.command(active, pose, np.full((1, 2, 3), 0.1))
+    turned = pilot._fleets.state["run"][0] - 0.5 * np.pi
+    assert np.allclose(turned[np.array(order) == 1], 0.0)
+    assert (turned[np.array(order) == 0] > 0.2).all()
+
+
+def test_ways_are_planned_with_a_decision_and_twice_a_second_from_then_on() -> None:
+    """Of each episode, which begins a decision amid those of another."""
+    pilot, case = Pilot(MODELS, CHART, 2), {k: a[[1, 1]] for k, a in cases(2).items()}
+    told, planned = [(0, [0, 1]), (3, [1])], []
+    for tick in range(12):
+        for begins, rows in told:
+            if tick == begins:
+                which = np.isin(np.arange(2), rows)
+                pilot.order(which, case["origin"], case["target"], np.zeros((2, 2), np.bool_))
+        for e in range(2):
+            pilot._fleets.paths[:] = 0.0
+            pilot.command(np.arange(2) == e, case["pose"], case["velocity"])
+            if pilot._fleets.paths[:2].any():
+                planned.append((tick, e))
+    assert planned == [(0, 0), (0, 1), (3, 1), (5, 0), (8, 1), (10, 0)]
+
+
+@pytest.mark.parametrize("leans", [0, 1])
+def test_before_the_first_order_a_quay_that_holds_a_vessel_is_not_taken_for_still_water(
+    leans: int,
+) -> None:
+    """Both drift north; then one lies at a quay, and the other is in water at rest."""
+    water = np.ones((5, 60), np.bool_)
+    water[0] = False
+    pilot, active = Pilot(MODELS, Chart(water, 4.0), 1), np.ones(1, np.bool_)
+    pose, velocity = np.zeros((1, 2, 3)), np.zeros((1, 2, 3))
+    pose[..., 0], velocity[..., 1] = [[8.0, 208.0]], 0.2
+    for tick in range(150):
+        pose[..., 1] = 5.0 + 0.02 * tick
+        pilot.command(active, pose, velocity)
+    np.testing.assert_allclose(pilot._fleets.state["drift_y"], 0.2, atol=0.02)
+    velocity[:] = 0.0
+    pose[0, leans, 1] = 14.0 - 0.5 * VESSELS[leans].beam_m
+    for _ in range(200):
+        pilot.command(active, pose, velocity)
+    drift = pilot._fleets.state["drift_y"][0]
+    assert drift[leans] > 0.15 and abs(drift[1 - leans]) < 0.02

@@ -1,5 +1,6 @@
 """Missions of a few decisions: every hull has its own orders, thrusters, water, watch and time."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,15 @@ from mjforage.physics.worlds import create_mission
 from mjforage.scenario.roles import Role
 from mjforage.scenario.scenario import Physics, Scale, Weather
 from tests.mjforage.physics.dynamics.test_mujoco_dynamics import setup_of
-from tests.mjforage.physics.validation.mission_checks import FLEET, KEYS, WEST, advance, begun
+from tests.mjforage.physics.validation.mission_checks import (
+    FLEET,
+    KEYS,
+    PITCH_M,
+    QUAY,
+    WEST,
+    advance,
+    begun,
+)
 
 OWN = {name: name for name in FLEET}  # vessels of the teams
 CALM = Weather(drift_node_per_step=0.0, noise_node_per_step=0.0)
@@ -185,3 +194,33 @@ def test_what_cameras_saw_drifts_on_until_it_is_used() -> None:
         mission.advance(np.tile(np.eye(9)[STAY], (2, 2, 1)))
     off = dynamics._known() - dynamics._simulation.item_xy[:, None]
     assert np.nanmedian(np.abs(off)) < 0.05
+
+
+@pytest.mark.parametrize("part", [0.1, 0.3, 0.5, 0.7, 0.9])
+def test_hulls_that_a_current_carries_into_a_quay_and_each_other_strike_as_fast_as_they_go(
+    part: float,
+) -> None:
+    """In whichever part of a time step: bow on, and in the other episode one at one that lies."""
+    dynamics, state = begun(replace(STREAM, current_speed_mps=0.8), physics=Physics(vessels=OWN))
+    quay = dynamics._graph.metres(np.array(QUAY, np.float64)) - (0.5 * PITCH_M, 0.0)
+    pose, velocity = np.zeros((2, len(KEYS), 2, 3))
+    half = [0.5 * load_vessel(name).length_m for name in FLEET]
+    for v, length in enumerate(half):
+        pose[0, v, :2] = quay - (length + 0.08 * (3.0 + part), 2.0 - 4.0 * v)
+    velocity[0, :, 0] = velocity[1, 0, 0] = 0.8
+    pose[1, 1, :2] = quay - (half[1] + 1e-3, 0.0)  # it lies at the quay
+    pose[1, 0, :2] = pose[1, 1, :2] - (sum(half) + 0.08 * (3.0 + part), 0.0)
+    dynamics._simulation.place_vessels(pose, velocity)
+    dynamics._motion = dynamics._measured()
+    inner, speeds = dynamics._steer, [dynamics._motion.velocity[..., 0]]
+
+    def steer(*about: Any) -> None:
+        inner(*about)
+        speeds.append(dynamics._motion.velocity[..., 0])
+
+    dynamics._steer = steer  # type: ignore[assignment,method-assign]
+    impact, told = advance(dynamics, state), np.array(speeds)
+    for e, v in ((0, 0), (0, 1), (1, 0)):
+        of = told[:, e, v]
+        last = of[np.argmax(of[1:] < 0.9 * of[:-1])]
+        assert last > 0.6 and impact[e, v] == pytest.approx(last, rel=0.02)

@@ -76,7 +76,7 @@ def test_items_that_part_or_are_apart_keep_their_bits() -> None:
     places, speeds = np.array([[0.1, 0.7], [0.3001, 0.7]]), np.array([[-0.3, 0.1], [0.1, 0.2]])
     q, v = separated(places, speeds, shift_s=0.0)
     assert (q == places).all() and (v == speeds).all()
-    q, v = separated(places + np.array([[0.0, 0.0], [0.01, 0.0]]), -speeds)  # beyond a touch
+    q, v = separated(places + np.array([[0.0, 0.0], [0.002, 0.0]]), -speeds)  # 2 mm apart
     assert (v == -speeds).all()
 
 
