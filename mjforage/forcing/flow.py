@@ -105,12 +105,13 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
     return Flow(read_only(patches), spacing_m, -0.5 * graph.pitch_m)
 
 
-def flow_in(weather: Weather, graph: NavigationGraph | None) -> Flow:
+def flow_in(weather: Weather, graph: NavigationGraph | None, recorded: bool = False) -> Flow:
     """Flow of streams and circulation on a map.
 
     Parameters
     ----------
     graph : the map; None: the open sea
+    recorded : True if there is a recorded current
 
     Raises
     ------
@@ -133,5 +134,10 @@ def flow_in(weather: Weather, graph: NavigationGraph | None) -> Flow:
                 f"weather: {name} = {speed:g} on a map without water at its edge, where a current "
                 "would come in and go out; open the edge, or set weather.circulation_mps instead"
             )
-    streaming = weather.current_speed_mps > 0.0 or weather.current_wander_mps > 0.0
+    if recorded and not has_open_border(graph):
+        raise UserError(
+            f"weather.file = {weather.file}: has a current, and the map has no water at its edge, "
+            "where it would come in and go out; open the edge, or give a record of wind"
+        )
+    streaming = recorded or weather.current_speed_mps > 0.0 or weather.current_wander_mps > 0.0
     return flow_of(graph, streaming, turning) if streaming or turning else OPEN_SEA

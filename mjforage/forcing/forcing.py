@@ -8,15 +8,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key
 from mjforage.forcing.flow import OPEN_SEA, Flow, flow_in
 from mjforage.forcing.gauss_markov import gauss_markov_pair
 from mjforage.forcing.item_noise import item_noise
+from mjforage.forcing.record import NO_RECORD, Record, on_map, recorded_velocity, starts_of
+from mjforage.forcing.record_files import read_record
 from mjforage.forcing.shelter import NO_SHELTER, Shelter, shelter_of, wind_share
 from mjforage.forcing.steady import LEEWAY, steady_current, steady_wind, to_rc
 from mjforage.forcing.stream_element import stream_velocity
 from mjforage.graph_planner.graph.navigation import NavigationGraph
-from mjforage.scenario.scenario import Weather
+from mjforage.scenario.place import Place, north_deg
+from mjforage.scenario.scenario import Scenario, Weather
 
 FloatArray = NDArray[np.float64]
 
@@ -42,20 +46,25 @@ def _wind(
     intensity: float,
     tau_s: float,
     shelter: Shelter,
+    record: Record,
     t_s: FloatArray,
     xy: FloatArray,
 ) -> FloatArray:
     """Mean wind and the gusts along and across it, weaker in the lee, (episode, point, 2) [m/s]."""
+    recorded = record.times_s.size > 0
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         u, v = mean[e, 0], mean[e, 1]
         ahead = beside = 0.0
-        if intensity > 0.0 and u * u + v * v > 0.0:
+        if intensity > 0.0 and (recorded or u * u + v * v > 0.0):
             ahead, beside = gauss_markov_pair(gust_keys[e], t_s[e] / tau_s)
         along, aside = 1.0 + intensity * ahead, intensity * CROSSWIND_RATIO * beside
         wind_u, wind_v = along * u - aside * v, along * v + aside * u
         for p in range(xy.shape[1]):
             share = 1.0
+            if recorded:
+                u, v = recorded_velocity(record, e, t_s[e], xy[e, p, 0], xy[e, p, 1])
+                wind_u, wind_v = along * u - aside * v, along * v + aside * u
             if shelter.length_m > 0.0:
                 share = wind_share(shelter, xy[e, p, 0], xy[e, p, 1], u, v)
             out[e, p, 0], out[e, p, 1] = share * wind_u, share * wind_v
@@ -82,17 +91,25 @@ def _current(
     patches: FloatArray,
     spacing_m: float,
     corner_m: float,
+    record: Record,
     t_s: FloatArray,
     xy: FloatArray,
 ) -> FloatArray:
-    """Streams and circulation at points, (episode, point, 2) [m/s]."""
+    """Streams and circulation at points, (episode, point, 2) [m/s].
+
+    Where a recorded current differs from place to place, each has the stream of its own.
+    """
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
-        u, v = mean[e, 0], mean[e, 1]
+        free_u, free_v = mean[e, 0], mean[e, 1]
         if wander > 0.0:
             wander_u, wander_v = gauss_markov_pair(keys[e], t_s[e] / WANDER_TAU_S)
-            u, v = u + wander * wander_u, v + wander * wander_v
+            free_u, free_v = free_u + wander * wander_u, free_v + wander * wander_v
         for p in range(xy.shape[1]):
+            u, v = free_u, free_v
+            if record.times_s.size > 0:
+                more_u, more_v = recorded_velocity(record, e, t_s[e], xy[e, p, 0], xy[e, p, 1])
+                u, v = free_u + more_u, free_v + more_v
             if patches.size:
                 out[e, p, 0], out[e, p, 1] = stream_velocity(
                     patches, spacing_m, corner_m, xy[e, p, 0], xy[e, p, 1], u, v, peak
@@ -152,8 +169,12 @@ class Forcing:
     _noise_keys: UInt64Array
     _flow: Flow
     _shelter: Shelter
+    _winds: Record
+    _currents: Record
     _wind: BoundKernel[FloatArray] = field(init=False)
+    _mean_wind: BoundKernel[FloatArray] = field(init=False)
     _free_wind: BoundKernel[FloatArray] = field(init=False)
+    _free_mean: BoundKernel[FloatArray] = field(init=False)
     _stream: BoundKernel[FloatArray] = field(init=False)
     _current: BoundKernel[FloatArray] = field(init=False)
     _item_noise: BoundKernel[FloatArray] = field(init=False)
@@ -165,7 +186,8 @@ class Forcing:
         keys: UInt64Array,
         graph: NavigationGraph | None = None,
         period_s: float = 1.0,
-        north_deg: float = 0.0,
+        place: Place | None = None,
+        long_s: float = 0.0,
     ) -> "Forcing":
         """Draw wind and water of a batch of episodes.
 
@@ -174,16 +196,30 @@ class Forcing:
         keys : (episode,) episode keys
         graph : the map; None: the open sea, where a node is 1 m
         period_s : of a decision, for drift and noise in nodes
-        north_deg : bearing of the map's y axis, clockwise from true north
+        place : where on the globe the map is, if it is a place
+        long_s : the longest episode, for which a record has to last
 
         Raises
         ------
         UserError
-            As `flow_in`.
+            As `flow_in`, and for a record that cannot be read, is too short or elsewhere.
         """
+        north, winds, currents = north_deg(place), NO_RECORD, NO_RECORD
+        if weather.file is not None:
+            recorded = read_record(weather.file)
+            starts = starts_of(recorded, weather.start, keys, long_s)
+            about = starts, graph, place
+            rise = (weather.height_m / weather.record_height_m) ** weather.shear_exponent
+            winds = on_map(recorded, "wind", *about, rise)
+            currents = on_map(recorded, "current", *about)
+            if winds is not NO_RECORD and weather.wind_speed_mps is not None:
+                raise UserError(
+                    f"weather.wind_speed_mps = {weather.wind_speed_mps:g}: {recorded.name} has the "
+                    "wind; leave out one of them"
+                )
         keys = np.ascontiguousarray(keys, np.uint64)
         node_mps = (1.0 if graph is None else graph.pitch_m) / period_s
-        wind = steady_wind(keys, weather, node_mps, north_deg)
+        wind = steady_wind(keys, weather, node_mps, north)
         return cls(
             weather,
             graph,
@@ -191,25 +227,45 @@ class Forcing:
             period_s,
             wind.drift_rc,
             wind.wind_mps,
-            steady_current(keys, weather, north_deg),
+            steady_current(keys, weather, north),
             _stream_keys(keys, Stream.GUSTS),
             _stream_keys(keys, Stream.CURRENT),
             _stream_keys(keys, Stream.NOISE),
-            flow_in(weather, graph),
+            flow_in(weather, graph, currents is not NO_RECORD),
             NO_SHELTER if graph is None else shelter_of(graph, weather.shelter_height_m),
+            winds,
+            currents,
+        )
+
+    @classmethod
+    def of(
+        cls,
+        scenario: Scenario,
+        keys: UInt64Array,
+        graph: NavigationGraph,
+        place: Place | None = None,
+    ) -> "Forcing":
+        """That of a scenario; parameters and errors as of `create`."""
+        period_s = scenario.period_s
+        return cls.create(
+            scenario.weather, keys, graph, period_s, place, period_s * scenario.horizon
         )
 
     def __post_init__(self) -> None:
         weather, flow = self.weather, self._flow
-        gusts = self.mean_wind_mps, self._gust_keys, weather.gust_intensity, weather.gust_tau_s
+        gusts = self._gust_keys, weather.gust_intensity, weather.gust_tau_s
+        none, mean = (self._gust_keys, 0.0, 1.0), self.mean_wind_mps
         wander = self.mean_current_mps, self._current_keys, weather.current_wander_mps
         streams = flow.patches, flow.spacing_m, flow.corner_m
+        at_sea, turning = (OPEN_SEA.patches, 1.0, 0.0), weather.circulation_mps
         noise = self._noise_keys, weather.noise_node_per_step * self.node_mps, self.period_s
         bound = {
-            "_wind": BoundKernel(_wind, *gusts, self._shelter),
-            "_free_wind": BoundKernel(_wind, *gusts, NO_SHELTER),
-            "_stream": BoundKernel(_current, *wander, 0.0, OPEN_SEA.patches, 1.0, 0.0),
-            "_current": BoundKernel(_current, *wander, weather.circulation_mps, *streams),
+            "_wind": BoundKernel(_wind, mean, *gusts, self._shelter, self._winds),
+            "_mean_wind": BoundKernel(_wind, mean, *none, self._shelter, self._winds),
+            "_free_wind": BoundKernel(_wind, mean, *gusts, NO_SHELTER, self._winds),
+            "_free_mean": BoundKernel(_wind, mean, *none, NO_SHELTER, self._winds),
+            "_stream": BoundKernel(_current, *wander, 0.0, *at_sea, self._currents),
+            "_current": BoundKernel(_current, *wander, turning, *streams, self._currents),
             "_item_noise": BoundKernel(_item_noise, *noise),
         }
         for name, query in bound.items():
@@ -235,9 +291,13 @@ class Forcing:
         """
         assert self.graph is not None
         xy, leeway = self.graph.metres(rc), np.broadcast_to(np.float64(leeway), rc.shape[:2])
-        current, share = self.current(t_s, xy), self.sheltered(xy)
-        current_rc = to_rc(current) * self.period_s / self.graph.pitch_m
-        by_wind = (np.round(leeway / LEEWAY, _DIGITS) * share)[..., None] * self.drift_rc[:, None]
+        current_rc = to_rc(self.current(t_s, xy)) * self.period_s / self.graph.pitch_m
+        if self._winds is NO_RECORD:
+            shares = np.round(leeway / LEEWAY, _DIGITS) * self.sheltered(xy)
+            by_wind = shares[..., None] * self.drift_rc[:, None]
+        else:
+            wind = self._mean_wind(self._times(t_s), np.ascontiguousarray(xy))
+            by_wind = leeway[..., None] * to_rc(wind) / self.node_mps
         result: FloatArray = by_wind + (1.0 - leeway)[..., None] * current_rc
         return result
 
@@ -249,10 +309,15 @@ class Forcing:
         return WindAndWater(self.wind(t_s, xy), self.current(t_s, xy))
 
     def open_water(self, t_s: ArrayLike, gusts: bool = True) -> WindAndWater:
-        """Free wind and free stream (episode, 2): without lee, quays and circulation."""
-        times, anywhere = self._times(t_s), np.zeros((len(self), 1, 2))
-        wind = self._free_wind(times, anywhere)[:, 0] if gusts else self.mean_wind_mps
-        return WindAndWater(wind, self._stream(times, anywhere)[:, 0])
+        """Free wind and free stream (episode, 2): without lee, quays and circulation, and in the
+        middle of the map.
+        """
+        middle = np.zeros(2)
+        if self.graph is not None:
+            middle = self.graph.metres(0.5 * (np.array(self.graph.shape) - 1.0))
+        times, there = self._times(t_s), np.tile(middle, (len(self), 1, 1))
+        wind = (self._free_wind if gusts else self._free_mean)(times, there)
+        return WindAndWater(wind[:, 0], self._stream(times, there)[:, 0])
 
     def wind(self, t_s: ArrayLike, xy: FloatArray) -> FloatArray:
         """Wind over ground at points (episode, point, 2) [m], of the same shape [m/s].

@@ -10,7 +10,7 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.mission.item_classes import draw_classes, leeways
 from mjforage.scenario.debris import item_choices
-from mjforage.scenario.place import Place, north_deg
+from mjforage.scenario.place import Place
 from mjforage.scenario.scenario import Scenario
 
 FloatArray = NDArray[np.float64]
@@ -28,14 +28,14 @@ class Carrier:
             If an item class is not known, or as `Forcing.create`.
         """
         self._choices, self._period_s = item_choices(scenario.physics), scenario.period_s
-        self._about = graph, scenario.period_s, north_deg(place)
-        self._weather = scenario.weather
+        self._graph, self._scenario, self._place = graph, scenario, place
+        self._forced(np.zeros(1, np.uint64))
 
     def reset(self, keys: UInt64Array, item_node: Int32Array) -> None:
         """Start a batch; of items (episode, item) -1 is padding."""
         self._keys, self._t_s = keys, np.zeros(keys.size)
         self._leeway = leeways(draw_classes(keys, item_node, self._choices))
-        self._forcing = Forcing.create(self._weather, keys, *self._about)
+        self._forced(keys)
 
     def restart(self, rows: NDArray[np.int64], keys: UInt64Array, item_node: Int32Array) -> None:
         """Start other episodes in some rows (row,) of the batch."""
@@ -43,7 +43,10 @@ class Carrier:
         self._leeway = scatter_rows(self._leeway, rows, of_rows)
         self._keys = scatter_rows(self._keys, rows, keys)
         self._t_s[rows] = 0.0
-        self._forcing = Forcing.create(self._weather, self._keys, *self._about)
+        self._forced(self._keys)
+
+    def _forced(self, keys: UInt64Array) -> None:
+        self._forcing = Forcing.of(self._scenario, keys, self._graph, self._place)
 
     def drift_rc(self, rc: FloatArray, items: bool) -> FloatArray:
         """(episode, place, 2) steady velocity now, as `Dynamics.drift_rc` [node/step]."""

@@ -22,9 +22,9 @@ from mjforage.mission.initial_state import InitialState
 from mjforage.mission.item_rule import item_rule
 from mjforage.mission.moves import Moves, move_length
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.scenario.place import Place, north_deg
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
-from mjforage.scenario.scenario import Scenario, Weather
+from mjforage.scenario.scenario import Scenario
 
 
 @kernel
@@ -56,9 +56,10 @@ def _move(
             energy[e, a] += length
 
 
-def graph_weather(weather: Weather) -> Weather:
+def graph_scenario(scenario: Scenario) -> Scenario:
     """What acts in the graph world: all but gusts, or by the paper's rule the mean wind alone."""
-    return replace(weather if weather.forced else weather.still, gust_intensity=0.0)
+    weather = scenario.weather if scenario.weather.forced else scenario.weather.still
+    return replace(scenario, weather=replace(weather, gust_intensity=0.0))
 
 
 class GraphDynamics:
@@ -87,8 +88,7 @@ class GraphDynamics:
         self._graph, self._trajectory, self._period_s = graph, trajectory, scenario.period_s
         self._items = item_rule(graph, fleet, scenario, place)
         self.pickup = None if self._items.chances is None else pickup_of(fleet, scenario)
-        self._weather = graph_weather(scenario.weather)
-        self._about = graph, scenario.period_s, north_deg(place)
+        self._forced = graph_scenario(scenario), place
         self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._yaw = np.array([math.atan2(-down, right) for down, right in OFFSETS])
 
@@ -98,7 +98,8 @@ class GraphDynamics:
         self._items.reset(initial, keys, self._state)
         if self._trajectory is not None:
             self._trajectory.start(self._period_s)
-            self._forcing, self._frames = Forcing.create(self._weather, keys[:1], *self._about), 0
+            scenario, place = self._forced
+            self._forcing, self._frames = Forcing.of(scenario, keys[:1], self._graph, place), 0
         self._record()
         return self._state
 

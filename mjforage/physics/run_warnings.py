@@ -3,8 +3,11 @@
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
+import numpy as np
+
 from mjforage.controllers.legs import REACTION_S
 from mjforage.forcing import LEEWAY
+from mjforage.forcing.record_files import read_record
 from mjforage.mission.setup import Setup
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.vessel_models import damping_rates, decision_s, full_speed_s, vessel_model
@@ -149,6 +152,8 @@ def _of_vessel(
 
 def _most_wind_mps(scenario: Scenario) -> float:
     weather = scenario.weather
+    if weather.file is not None and (wind := read_record(weather.file).wind) is not None:
+        return float(np.hypot(wind[..., 0], wind[..., 1]).max())
     if weather.wind_speed_mps is not None:
         return weather.wind_speed_mps
     most = math.hypot(*(max(map(abs, bounds)) for bounds in weather.drift_ranges))

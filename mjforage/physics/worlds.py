@@ -13,11 +13,11 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.mission.dynamics import Dynamics
-from mjforage.mission.graph_dynamics import GraphDynamics, graph_weather
+from mjforage.mission.graph_dynamics import GraphDynamics, graph_scenario
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.scenario.place import Place, north_deg
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import POSITIONING_KEYS, Scenario, Sensors
 
@@ -62,10 +62,6 @@ def _whole(scenario: Scenario) -> Scenario:
     return scenario
 
 
-def _graph(scenario: Scenario) -> Scenario:
-    return replace(scenario, weather=graph_weather(scenario.weather))
-
-
 def _without_noise(scenario: Scenario) -> Scenario:
     kept = {name: getattr(Sensors, name) for name in POSITIONING_KEYS}
     exact = replace(scenario.sensors, **kept, camera_noise_m=0.0)
@@ -92,7 +88,9 @@ def _calibrated(scenario: Scenario) -> Scenario:
 
 
 WORLDS = {
-    "graph": WorldKind("moves succeed, items follow the paper's rule", GraphDynamics, _graph),
+    "graph": WorldKind(
+        "moves succeed, items follow the paper's rule", GraphDynamics, graph_scenario
+    ),
     "hulls": WorldKind("hulls, thrusters, control and mean wind", _physics, _without_bodies),
     "calibrated": WorldKind(
         "items are taken as surely as the hulls did in trials", _physics, _calibrated
@@ -139,9 +137,7 @@ def create_mission(
 
 def forcing_of(setup: Setup, world: str, keys: UInt64Array) -> Forcing:
     """Wind and water of episodes in one of the worlds, by their keys (episode,)."""
-    scenario = WORLDS[world].adapt(setup.scenario)
-    about = setup.graph, scenario.period_s, north_deg(setup.grid.place)
-    return Forcing.create(scenario.weather, keys, *about)
+    return Forcing.of(WORLDS[world].adapt(setup.scenario), keys, setup.graph, setup.grid.place)
 
 
 def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from mjforage.scenario.assets import models_folder
 
 DECISIVE = (
     *("base", "metrics", "controllers", "graph_planner"),
-    *("scenario", "mission", "physics", "runs/tables.py"),
+    *("scenario", "forcing", "mission", "physics", "runs/tables.py"),
 )
 """Parts of our package that decide the numbers of a run; the rest draws, stores or prints."""
 COMPUTING = ("numpy", "numba", "scipy", "mujoco", "torch", "torchrl")

@@ -12,6 +12,7 @@ from typing import Any
 
 from mjforage.base.called import what_was_called
 from mjforage.base.registry import ImportSpec
+from mjforage.forcing.record_files import read_record
 from mjforage.graph_planner.policies.registry import (
     is_upper_bound,
     outside_class,
@@ -158,7 +159,7 @@ def run_info(
     ----------
     metrics : references, as for `chosen_metrics`
     """
-    navigable = setup.grid.navigable
+    navigable, record = setup.grid.navigable, setup.scenario.weather.file
     metric_classes = chosen_metrics(metrics)
     origin, code = (
         provenance(),
@@ -175,6 +176,7 @@ def run_info(
             "pitch_m": setup.scenario.map.pitch_m,
             "navigable": ["".join("01"[int(cell)] for cell in row) for row in navigable],
             **({"place": asdict(setup.grid.place)} if setup.grid.place else {}),
+            **({"record": read_record(record).sha256} if record else {}),
         },
         "versions": versions(code),
         "code": code.hashes,

@@ -86,6 +86,7 @@ class Items:
     """Number of items where the drawn number, rounded, is not positive."""
 
 
+_SHEAR = source("IEC 61400-3: 0.14, about 1/7, over open water")
 _Drift = Annotated[float, Within(-10, 10, "node/step")]
 _Drifts = tuple[_Drift, _Drift]
 
@@ -106,10 +107,22 @@ class Weather:
     drawn per episode, uniform over the circle."""
     shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
     """Height of obstacles on all land, in whose wind shadow the wind is weaker; 0: no shadow."""
-    drift: Literal["constant", "forced"] = "constant"
+    file: str | None = None
+    """Recorded wind, current or both, from the scenario's folder: CSV, NDBC's standard
+    meteorological text, or NetCDF by the CF conventions. A recorded wind takes the place of wind
+    and drift, a recorded current adds to the others; both are of open water."""
+    start: str | None = None
+    """Time of the record at which episodes begin, ISO 8601 in UTC; absent: drawn per episode."""
+    record_height_m: Annotated[float, Within(0.5, 200, "m")] = 10.0
+    """Height of the recorded wind above the water."""
+    height_m: Annotated[float, Within(0.1, 200, "m")] = 10.0
+    """Height to which a recorded wind is brought; leeways are shares of the wind at 10 m."""
+    shear_exponent: Annotated[float, Within(0, 0.5), _SHEAR] = 0.14
+    """Exponent a of the power law: the wind at height h is as (h / record_height_m)^a."""
+    drift: Literal["constant", "forced"] | None = None
     """How items drift where they follow the rule of the graph world: `constant`: all at 0.03 of
     the mean wind; `forced`: by wind, lee and current where and when they are, each by the leeway of
-    its class in `physics.item_classes`."""
+    its class in `physics.item_classes`; absent: `forced` with a file, else `constant`."""
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
     """Constant drift of an episode's items, uniform in +- this per axis; not with
     `wind_speed_mps`."""
@@ -137,7 +150,7 @@ class Weather:
     @property
     def forced(self) -> bool:
         """True if wind and current carry items at graph level too."""
-        return self.drift == "forced"
+        return self.drift == "forced" or (self.drift is None and self.file is not None)
 
     @property
     def still(self) -> "Weather":

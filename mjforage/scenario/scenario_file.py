@@ -165,7 +165,9 @@ def with_overrides(scenario: Scenario, overrides: Iterable[str]) -> Scenario:
 
 def _start_paths(tree: Tree, folder: Path) -> None:
     """Let the paths of a file's map and vessels start from its folder; names stay as they are."""
-    choice, physics = tree.get("map"), tree.get("physics")
+    choice, physics, weather = (tree.get(table) for table in ("map", "physics", "weather"))
+    if isinstance(weather, dict) and isinstance(weather.get("file"), str):
+        weather["file"] = str(folder / weather["file"])
     if isinstance(choice, dict) and isinstance(file := choice.get("file"), str):
         named = is_shipped_map(file) or is_harbour(file)
         choice["file"] = file if named else str(folder / file)
@@ -253,6 +255,13 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         raise UserError(
             f"{where}: weather.wind_from_deg = {origin:g} without a wind; give "
             "weather.wind_speed_mps too"
+        )
+    if scenario.weather.file is None and scenario.weather.start is not None:
+        raise UserError(f"{where}: weather.start without a record; give weather.file too")
+    if scenario.weather.file is not None and scenario.weather.drift == "constant":
+        raise UserError(
+            f"{where}: weather.drift = 'constant' with weather.file: a recorded wind changes; "
+            "leave out weather.drift"
         )
     for least, largest in scenario.weather.drift_ranges_node_per_step or ():
         if least > largest:

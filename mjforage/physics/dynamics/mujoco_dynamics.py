@@ -15,7 +15,6 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.controllers import Chart, Pilot
 from mjforage.forcing import LEEWAY, Forcing
-from mjforage.forcing.flow import flow_in
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.mission.capture_chances import pickup_of
@@ -60,7 +59,7 @@ from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.simulation.instability import warnings_suppressed
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.scenario.debris import item_choices
-from mjforage.scenario.place import Place, north_deg
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
@@ -90,7 +89,7 @@ class MujocoDynamics:
             raise UserError("rules.jump = true: hulls cannot cross land; use the graph world")
         self._graph, self._fleet, self._scenario = graph, fleet, scenario
         self._trajectory, self._choice = trajectory, scenario.physics
-        self._north_deg = north_deg(place)
+        self._globe = place
         weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
         self._step_s = step_s = self._choice.step_s or self._integrator.step_s
         self._ticks = WEATHER_TICKS * whole_times(
@@ -129,7 +128,7 @@ class MujocoDynamics:
         self._monitor_setup = MonitorSetup(
             pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
         )
-        flow_in(scenario.weather, graph)
+        Forcing.of(scenario, np.zeros(1, np.uint64), graph, place)
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
 
@@ -204,9 +203,8 @@ class MujocoDynamics:
 
     def _begin(self, keys: UInt64Array) -> None:
         """Take the keys of the batch, with the weather that they decide."""
-        weather, period_s = self._scenario.weather, self._scenario.period_s
         self._keys = keys
-        self._forcing = Forcing.create(weather, keys, self._graph, period_s, self._north_deg)
+        self._forcing = Forcing.of(self._scenario, keys, self._graph, self._globe)
         self._failures = failures(self._scenario.faults, self._fleet, keys)
         cameras = self._camera, self._grid, keys, self._fleet.collects, self._tracks
         self._look_out = BoundKernel(look_out, *cameras)

@@ -60,5 +60,5 @@ def test_a_rotated_place_turns_bearings_once() -> None:
         mission = create_mission(turned, world, recorder)
         mission.reset(0, np.arange(1))
         np.testing.assert_allclose(recorder.frames.wind, [[0, -5.0]], atol=1e-6)
-    forcing = Forcing.create(weather, keys, turned.graph, 10.0, place.rotation_deg)
+    forcing = Forcing.create(weather, keys, turned.graph, 10.0, place)
     np.testing.assert_allclose(forcing.mean_current_mps, [[0.1, 0.0]], atol=1e-15)

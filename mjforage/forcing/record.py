@@ -1,0 +1,155 @@
+"""Recorded wind and current as kernels read them: bilinear in space, linear in time."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import kernel
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.forcing.record_files import Recorded, seconds_of
+from mjforage.graph_planner.graph.navigation import NavigationGraph
+from mjforage.scenario.bearings import direction
+from mjforage.scenario.place import Place
+
+FloatArray = NDArray[np.float64]
+_DIGITS = 12  # of a place in a grid: the last ones differ from one processor to another
+_START = 1001  # step of a drawn start in its stream, away from the other draws
+
+
+class Record(NamedTuple):
+    """Velocities of air or water on a grid in the frame of a map; no times: there is none."""
+
+    times_s: FloatArray  # (time,) since the record begins
+    velocity: FloatArray  # (time, row, column, 2) in (x, y) [m/s]
+    cell: FloatArray  # (2, 3) row and column of the grid are this times (x, y, 1)
+    starts_s: FloatArray  # (episode,) when in the record each episode begins
+
+
+NO_RECORD = Record(np.empty(0), np.empty((0, 1, 1, 2)), np.zeros((2, 3)), np.empty(0))
+
+
+@kernel
+def _between(place: float, count: int) -> tuple[int, int, float]:
+    """The two entries about a place in a row of so many, held at its ends, and how far between."""
+    place = min(max(place, 0.0), count - 1.0)
+    first = min(int(place), max(count - 2, 0))
+    return first, min(first + 1, count - 1), place - first
+
+
+@kernel
+def recorded_velocity(
+    record: Record, e: int, t_s: float, x: float, y: float
+) -> tuple[float, float]:
+    """Velocity at a time of episode e [s] and a place [m]; the record's ends hold beyond it."""
+    times, cell = record.times_s, record.cell
+    now = min(max(record.starts_s[e] + t_s, times[0]), times[-1])
+    i = min(max(np.searchsorted(times, now, side="right") - 1, 0), times.size - 2)
+    late = (now - times[i]) / (times[i + 1] - times[i])
+    r0, r1, down = _between(cell[0, 0] * x + cell[0, 1] * y + cell[0, 2], record.velocity.shape[1])
+    c0, c1, over = _between(cell[1, 0] * x + cell[1, 1] * y + cell[1, 2], record.velocity.shape[2])
+    u = v = 0.0
+    for time, of_time in ((i, 1.0 - late), (i + 1, late)):
+        for row, of_row in ((r0, 1.0 - down), (r1, down)):
+            for column, of_column in ((c0, 1.0 - over), (c1, over)):
+                share = of_time * of_row * of_column
+                u += share * record.velocity[time, row, column, 0]
+                v += share * record.velocity[time, row, column, 1]
+    return u, v
+
+
+@kernel
+def _drawn_starts(keys: UInt64Array, latest_s: float) -> FloatArray:
+    """(episode,) uniform from 0 to the latest start [s]."""
+    starts = np.empty(keys.size)
+    for e in range(keys.size):
+        starts[e] = latest_s * uniform(stream_key(keys[e], Stream.WEATHER), 0, _START)
+    return starts
+
+
+def starts_of(
+    recorded: Recorded, start: str | None, keys: UInt64Array, long_s: float
+) -> FloatArray:
+    """(episode,) when in the record each episode of so many seconds begins [s].
+
+    Raises
+    ------
+    UserError
+        If the record does not last so long, or not from that start on.
+    """
+    latest = recorded.times_s[-1] - recorded.times_s[0] - long_s
+    first, last = (np.datetime64(int(t), "s") for t in recorded.times_s[[0, -1]])
+    if latest < 0.0:
+        raise UserError(
+            f"{recorded.name}: is from {first} to {last}, shorter than an episode of "
+            f"{long_s / 3600:.4g} h; give a longer record, or a smaller horizon"
+        )
+    if start is None:
+        return _drawn_starts(keys, latest)
+    begin = seconds_of(start, "weather.start") - recorded.times_s[0]
+    if not 0.0 <= begin <= latest:
+        raise UserError(
+            f"weather.start = {start}: {recorded.name} is from {first} to {last}, and an episode "
+            f"lasts {long_s / 3600:.4g} h; give a start within"
+        )
+    return np.full(keys.size, begin)
+
+
+def on_map(
+    recorded: Recorded,
+    part: str,
+    starts_s: FloatArray,
+    graph: NavigationGraph | None,
+    place: Place | None,
+    factor: float = 1.0,
+) -> Record:
+    """The wind or the current of a record on a map, its velocities times a factor.
+
+    Raises
+    ------
+    UserError
+        If a grid shall be on a map that is no place, or does not cover it.
+    """
+    east_north = getattr(recorded, part)
+    if east_north is None:
+        return NO_RECORD
+    turn = direction(place.rotation_deg) if place else 0.0
+    east, north = factor * east_north[..., 0], factor * east_north[..., 1]
+    velocity = np.stack(
+        (
+            east * math.cos(turn) - north * math.sin(turn),
+            east * math.sin(turn) + north * math.cos(turn),
+        ),
+        axis=-1,
+    )
+    cell = np.zeros((2, 3))
+    if velocity.shape[1] * velocity.shape[2] > 1:
+        if place is None or graph is None:
+            raise UserError(
+                f"{recorded.name}: is a grid, and the map has no latitude and longitude; give a "
+                "place (`mjforage place`), or a record of one point"
+            )
+        cell = _cells(recorded, graph, place)
+    return Record(recorded.times_s - recorded.times_s[0], velocity, cell, starts_s)
+
+
+def _cells(recorded: Recorded, graph: NavigationGraph, place: Place) -> FloatArray:
+    """(2, 3) row and column of a record's grid by (x, y, 1): linear, as a place is small."""
+    rows, columns = graph.shape
+    corners = np.array([(r, c) for r in (-0.5, rows - 0.5) for c in (-0.5, columns - 0.5)])
+    found, latlon = [], place.latlon(corners)
+    for axis, name in enumerate(("latitude", "longitude")):
+        at, degrees = latlon[:, axis], getattr(recorded, name)
+        if axis == 1:
+            at = degrees[0] + (at - degrees[0]) % 360.0
+        if degrees.size > 1 and (at.min() < degrees[0] or at.max() > degrees[-1]):
+            raise UserError(
+                f"{recorded.name}: its {name} from {degrees[0]:g} to {degrees[-1]:g} does not "
+                f"cover the map, {at.min():.5g} to {at.max():.5g}; give a larger grid"
+            )
+        found.append((at - degrees[0]) / (degrees[1] - degrees[0]) if degrees.size > 1 else 0 * at)
+    metres = np.column_stack((graph.metres(corners), np.ones(4)))
+    cell = np.linalg.lstsq(metres, np.column_stack(found), rcond=None)[0].T
+    return np.ascontiguousarray(np.round(cell, _DIGITS))

@@ -1,0 +1,353 @@
+"""Recorded wind and current: conventions, files of others, both worlds, and an independent ODE."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
+from mjforage.forcing import Forcing
+from mjforage.forcing.record_files import Recorded, read_record
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.setup import Setup
+from mjforage.physics.worlds import create_mission
+from mjforage.runs.identity import run_info
+from mjforage.scenario.place import Place
+from mjforage.scenario.scenario import Weather
+from mjforage.scenario.scenario_file import load_scenario
+
+FloatArray = NDArray[np.float64]
+HOURS = np.datetime64("2024-06-01T00:00", "ns") + np.arange(9) * np.timedelta64(1, "h")
+HEADER = "time,wind_speed_mps,wind_from_deg,current_speed_mps,current_to_deg"
+STEADY = "\n".join([HEADER, *(f"2024-06-01T0{h}:00,6,270,0.2,30" for h in range(9))])
+KEYS = episode_keys(0, np.arange(3))
+PLACE = Place(38.97, -76.48, 4.0, 61, 61, rotation_deg=20.0)
+SEA = navigation_graph(np.ones((61, 61), np.bool_), 4.0, False)
+
+
+def write(folder: Path, text: str, name: str = "record.csv") -> str:
+    (folder / name).write_text(text)
+    return str(folder / name)
+
+
+def read(folder: Path, text: str) -> Recorded:
+    return read_record(write(folder, text))
+
+
+def grid(**more: Any) -> xarray.Dataset:
+    """Wind and current that change in space and time, by CF names, about the place."""
+    lat, lon = np.linspace(38.96, 38.98, 9), np.linspace(-76.5, -76.46, 13)
+    t, y, x = np.meshgrid(
+        np.arange(9.0), np.linspace(-1, 1, 9), np.linspace(-1, 1, 13), indexing="ij"
+    )
+    fields = {
+        "eastward_sea_water_velocity": 0.1 + 0.1 * x * y + 0.02 * t,
+        "northward_sea_water_velocity": 0.05 * np.sin(3 * x) - 0.01 * t * y,
+        "eastward_wind": 4.0 + x,
+        "northward_wind": 1.0 - y * t / 9,
+    }
+    dims = ("time", "latitude", "longitude")
+    units = {"units": "m s-1"}
+    data = {
+        f"f{i}": (dims, f, units | {"standard_name": k}) for i, (k, f) in enumerate(fields.items())
+    }
+    return xarray.Dataset(data, {"time": HOURS, "latitude": lat, "longitude": lon}).assign(**more)
+
+
+def saved(folder: Path, data: xarray.Dataset, engine: Any = "h5netcdf", **more: Any) -> str:
+    file = folder / f"record-{len(list(folder.iterdir()))}.nc"
+    data.to_netcdf(
+        file, engine=engine, format="NETCDF3_CLASSIC" if engine == "scipy" else None, **more
+    )
+    return str(file)
+
+
+def forcing_of(file: str, **weather: Any) -> Forcing:
+    given = Weather(file=file, start="2024-06-01T00:00", noise_node_per_step=0.0, **weather)
+    return Forcing.create(given, KEYS, SEA, 10.0, PLACE)
+
+
+def test_wind_is_named_by_where_it_is_from_and_current_by_where_it_goes(tmp_path: Path) -> None:
+    found = read(tmp_path, STEADY)
+    assert found.wind is not None and found.current is not None
+    np.testing.assert_allclose(found.wind[:, 0, 0], np.tile([6.0, 0.0], (9, 1)), atol=1e-12)
+    np.testing.assert_allclose(found.current[:, 0, 0], np.tile([0.1, 0.1 * 3**0.5], (9, 1)))
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_a_recorded_wind_from_the_west_pushes_items_east(tmp_path: Path, world: str) -> None:
+    file = write(tmp_path, STEADY.replace("0.2,30", "0,0"))
+    setup = Setup.of(load_scenario("open-bay", [f"weather.file={file!r}", "horizon=3"]))
+    mission, policy = create_mission(setup, world), create_policy("random")
+    mission.reset(0, np.arange(2))
+    start = mission.state.item_rc.copy()
+    mission.run(policy)
+    went = np.median((mission.state.item_rc - start)[mission.state.item_node >= 0], axis=0)
+    expected = 0.03 * 6.0 * 3 * setup.scenario.period_s / 4.0
+    np.testing.assert_allclose(went, (0.0, expected), atol=0.09 * expected)
+
+
+def test_a_recorded_drift_is_alike_in_the_graph_and_in_mujoco(tmp_path: Path) -> None:
+    """Wind that turns and grows, and a current: the way of most items within 3 %."""
+    rows = [
+        f"2024-06-01T00:0{m},{3 + m / 3},{200 + 9 * m},{0.1 + m / 50},{40 + m}" for m in range(10)
+    ]
+    file = write(tmp_path, "\n".join([HEADER, *rows]))
+    sets = [f"weather.file={file!r}", "weather.start='2024-06-01T00:00'", "horizon=18"]
+    setup = Setup.of(
+        load_scenario("open-bay", [*sets, "weather.noise_node_per_step=0", "team.scouts.count=0"])
+    )
+    ways = []
+    for world in ("graph", "physics"):
+        mission, policy = create_mission(setup, world), create_policy("random")
+        mission.reset(1, np.arange(3))
+        mission.prepare(policy)
+        mission.advance(mission.ask(policy))
+        start = mission.state.item_rc.copy()
+        for _ in range(10):
+            mission.advance(mission.ask(policy))
+        ways.append((mission.state.item_rc - start, mission.state.item_node >= 0))
+    left = ways[0][1] & ways[1][1]
+    graph, hulls = (np.median(way[left], axis=0) for way, _ in ways)
+    assert np.linalg.norm(graph - hulls) < 0.03 * np.linalg.norm(hulls) and graph[1] > 1.0
+
+
+def test_tracers_go_as_an_independent_integration_of_the_file(tmp_path: Path) -> None:
+    """scipy's solver on xarray's interpolation, in latitude and longitude; 10 min, 1 %."""
+    data = grid()
+    forcing = forcing_of(saved(tmp_path, data))
+    rc = np.array([[[30.0, 30.0], [45.0, 12.0], [20.0, 40.0]]]).repeat(3, axis=0)
+    start, metre = PLACE.latlon(rc[0]), np.pi / 180 * 6371008.8
+    for step in range(60):
+        there = rc + 0.5 * forcing.carried_rc(10.0 * step, rc, 0.0)
+        rc = rc + forcing.carried_rc(10.0 * step + 5.0, there, 0.0)
+    fields = data[["f0", "f1"]].to_dataarray()
+
+    def flow(t_s: float, latlon: FloatArray) -> FloatArray:
+        lat, lon = latlon
+        when = HOURS[0] + np.timedelta64(round(t_s * 1e9), "ns")
+        u, v = fields.interp(time=when, latitude=lat, longitude=lon).values
+        return np.array([v, u / np.cos(np.radians(lat))]) / metre
+
+    for k, begin in enumerate(start):
+        end = solve_ivp(flow, (0.0, 600.0), begin, rtol=1e-8).y[:, -1]
+        came = PLACE.cells(np.array([begin, end, PLACE.latlon(rc[0, k])]))
+        assert np.linalg.norm(came[2] - came[1]) < 0.01 * np.linalg.norm(came[1] - came[0])
+        assert np.linalg.norm(came[1] - came[0]) > 5.0
+
+
+def era5(new: bool) -> xarray.Dataset:
+    """The same winds as old and as new files of ERA5 have them."""
+    data = grid()[["f2", "f3"]].rename(f2="u10", f3="v10").isel(latitude=slice(None, None, -1))
+    for name in ("u10", "v10"):
+        data[name] = (data[name].dims, np.round(data[name].values, 1), {"units": "m s**-1"})
+    data = data.assign_coords(longitude=data.longitude % 360.0)
+    if not new:
+        first = data.where(data.time < HOURS[5])
+        return xarray.concat([first, data.where(data.time >= HOURS[5])], "expver").transpose(
+            "time", ...
+        )
+    data = data.rename(time="valid_time")
+    return data.assign_coords(number=0, expver=("valid_time", ["0001"] * 9))
+
+
+def test_old_and_new_files_of_era5_give_equal_bits(tmp_path: Path) -> None:
+    packed = {"dtype": "int16", "scale_factor": 0.1, "add_offset": 4.0, "_FillValue": -32767}
+    how: dict[str, Any] = {"encoding": {"u10": packed, "v10": packed}}
+    old = read_record(saved(tmp_path, era5(new=False), "scipy", **how))
+    new = read_record(saved(tmp_path, era5(new=True), **how))
+    assert old.wind is not None and new.wind is not None
+    np.testing.assert_array_equal(old.wind, new.wind)
+    np.testing.assert_array_equal(old.longitude, new.longitude)
+    np.testing.assert_allclose(new.wind[:, ::8, ::12, 0], [[[3, 5], [3, 5]]] * 9, atol=1e-12)
+    assert (np.diff(new.latitude) > 0).all()
+    wind = forcing_of(saved(tmp_path, era5(new=True), **how)).open_water(0.0).wind
+    assert np.hypot(*wind[0]) == pytest.approx(np.hypot(4.0, 1.0), abs=0.2)
+
+
+NDBC = """#YY  MM DD hh mm WDIR WSPD GST
+#yr  mo dy hr mn degT m/s  m/s
+2024 06 01 02 00 180  5.0  6.0
+2024 06 01 01 00 MM   MM   6.0
+2024 06 01 00 50 270  4.0  5.0
+2024 06 01 00 00 999 99.0 99.0
+"""
+
+
+def test_ndbc_text_is_read_newest_first_and_of_old_years(tmp_path: Path) -> None:
+    """What is missing goes; two hours remain an hour and ten minutes apart, which is a gap."""
+    with pytest.raises(UserError, match=r"gap of 1\.17 h from 2024-06-01T00:50:00 to "):
+        read(tmp_path, NDBC)
+    found = read(tmp_path, NDBC.replace("MM   MM ", "225  2.0"))
+    assert found.wind is not None and found.current is None
+    np.testing.assert_allclose(found.wind[0, 0, 0], (4.0, 0.0), atol=1e-12)
+    np.testing.assert_allclose(found.wind[2, 0, 0], (0.0, 5.0), atol=1e-12)
+    old = read(tmp_path, "YY MM DD hh WD WSPD\n98 12 31 22 090 1.0\n98 12 31 23 090 2.0\n")
+    assert old.wind is not None and old.times_s[0] == 915141600.0
+    np.testing.assert_allclose(old.wind[1, 0, 0], (-2.0, 0.0), atol=1e-12)
+
+
+def test_a_record_begins_where_it_is_told_or_where_its_episode_draws(tmp_path: Path) -> None:
+    rows = [f"2024-06-01T0{h}:00,{h},270" for h in range(9)]
+    file = write(tmp_path, "\n".join([HEADER[:33], *rows]))
+    given = Weather(file=file, start="2024-06-01T03:30")
+    told = Forcing.create(given, KEYS, SEA, 10.0, long_s=3600.0)
+    np.testing.assert_allclose(told.open_water(1800.0).wind, [[4.0, 0.0]] * 3, atol=1e-12)
+    drawn = Forcing.create(Weather(file=file), KEYS, SEA, 10.0, long_s=3600.0)
+    speeds = drawn.open_water(0.0).wind[:, 0]
+    assert np.unique(speeds).size == 3 and speeds.max() <= 7.0
+    alone = Forcing.create(Weather(file=file), KEYS[2:], SEA, 10.0, long_s=3600.0)
+    assert (alone.open_water(0.0).wind[0] == drawn.open_water(0.0).wind[2]).all()
+    low = Forcing.create(Weather(file=file, start="2024-06-01T04:00", height_m=2.5), KEYS, SEA)
+    assert low.open_water(0.0).wind[0, 0] == pytest.approx(4.0 * 0.25**0.14)
+
+
+def test_the_record_is_part_of_the_run_s_identity(tmp_path: Path) -> None:
+    hashes = set()
+    for text in (STEADY, STEADY.replace("6,270", "5,270")):
+        file = write(tmp_path, text)
+        setup = Setup.of(load_scenario("open-bay", [f"weather.file={file!r}"]))
+        hashes.add(run_info(setup, ["greedy"], ["graph"], 1, 0)["hash"])
+    assert len(hashes) == 2
+
+
+KNOTS = {"units": "knots", "standard_name": "wind_speed"}
+FROM = {"units": "degree", "standard_name": "wind_from_direction"}
+
+
+def test_speeds_in_knots_and_bearings_are_converted(tmp_path: Path) -> None:
+    times, point = HOURS, np.full(9, 10.0)
+    data = xarray.Dataset(
+        {"s": ("time", point, KNOTS), "d": ("time", 9 * point, FROM)}, {"time": times}
+    )
+    found = read_record(saved(tmp_path, data)).wind
+    assert found is not None
+    np.testing.assert_allclose(
+        found[:, 0, 0], np.tile([-10 * 1852 / 3600, 0.0], (9, 1)), atol=1e-12
+    )
+
+
+ROW, NEXT = "2024-06-01T00:00", "2024-06-01T00:30"
+AIR = "time,wind_speed_mps,wind_from_deg"
+BAD_TEXT = {
+    "": "is neither CSV with time and wind_speed_mps nor NDBC's",
+    "hello": "is neither CSV",
+    "time": "is neither CSV",
+    "a,b\n1,2": "its columns are a, b; give time and pairs of",
+    "wind_speed_mps,wind_from_deg\n1,2": "its columns are wind_speed_mps",
+    "time,time,wind_speed_mps\n": "its columns are time, time",
+    "time,wind_speed_mps\n" + f"{ROW},1": "has wind_speed_mps alone; give wind_speed_mps and",
+    f"time,current_to_deg\n{ROW},1": "has current_to_deg alone",
+    f"{AIR},wind_gust\n": "its columns are",
+    AIR: "has neither wind nor current",
+    f"{AIR}\n{ROW},5,270": "has 1 times with all values, at least 2",
+    f"{AIR}\n{ROW},,270\n{NEXT},,": "has 0 times",
+    f"{AIR}\n{ROW},5,999\n{NEXT},99,270": "has 0 times",
+    f"{AIR}\n{ROW},5\n": "line 2 has 2 cells, expected 3",
+    f"{AIR}\n{ROW},5,270\n{NEXT},5,270,1": "line 3 has 4 cells",
+    f"{AIR}\nyesterday,5,270": "line 2: 'yesterday' is no ISO 8601 time, such as",
+    f"{AIR}\n2024-13-01T00:00,5,270": "line 2: '2024-13-01T00:00' is no ISO 8601 time",
+    f"{AIR}\n{ROW}+02:00,5,270": "line 2: 2024-06-01T00:00+02:00 is not UTC",
+    f"{AIR}\n{ROW},fast,270": "line 2: wind_speed_mps = 'fast' is no number",
+    f"{AIR}\n{ROW},5,W": "line 2: wind_from_deg = 'W' is no number",
+    f"{AIR}\n{ROW},-5,270\n{NEXT},5,270": "wind_speed_mps below 0, or wind_from_deg beyond 360",
+    f"{AIR}\n{ROW},5,400\n{NEXT},5,270": "wind_from_deg beyond 360",
+    f"{AIR}\n{ROW},500,270\n{NEXT},5,270": "a wind of 500 m/s; check its units",
+    f"{AIR}\n{ROW},inf,270\n{NEXT},5,270": "wind_speed_mps = 'inf' is no number",
+    f"time,current_speed_mps,current_to_deg\n{ROW},20,0\n{NEXT},5,0": "a current of 20 m/s",
+    f"{AIR}\n{NEXT},5,270\n{ROW},5,270": "2024-06-01T00:00:00 comes twice, or late",
+    f"{AIR}\n{ROW},5,270\n{ROW},5,270": "comes twice",
+    f"{AIR}\n{ROW},5,270\n2024-06-01T02:00,5,270": "has a gap of 2 h from 2024-06-01T00:00:00",
+    "#YY MM DD hh mm WSPD\n": "is neither CSV",
+    "#YY MM DD hh mm WDIR WSPD\n2024 06 01 00 00 270": "line 2 has 6 columns, expected 7",
+    "#YY MM DD hh mm WDIR WSPD\n2024 06 41 00 00 270 5.0": "line 2: 2024 06 41 00 00 is no time",
+    "#YY MM DD hh mm WDIR WSPD\n2024 06 01 00 x 270 5.0": "is no time",
+    "#YY MM DD hh mm WDIR WSPD\n2024 06 01 00 00 W 5.0": "line 2: WDIR = 'W' is no number",
+    "#YY MM DD hh mm WDIR WSPD\n": "has neither wind nor current",
+    "\x89HDF": "is no NetCDF file that can be read",
+    "CDF\x01": "is no NetCDF file that can be read",
+}
+
+
+@pytest.mark.parametrize("text", BAD_TEXT)
+def test_each_malformed_text_has_one_line(tmp_path: Path, text: str) -> None:
+    content = text.encode("latin-1" if text[:1] in ("\x89", "C") else "utf-8")
+    (tmp_path / "record").write_bytes(content)
+    with pytest.raises(UserError, match=r"^record ") as caught:
+        read_record(str(tmp_path / "record"))
+    assert BAD_TEXT[text] in str(caught.value) and "\n" not in str(caught.value)
+
+
+def named(data: xarray.Dataset, key: str, **attributes: str) -> xarray.Dataset:
+    return data.assign({key: data[key].assign_attrs(attributes)})
+
+
+BAD_GRIDS: dict[str, tuple[Callable[[xarray.Dataset], xarray.Dataset], str]] = {
+    "units": (
+        lambda d: named(d, "f0", units="furlong"),
+        "units 'furlong' of a speed are not",
+    ),
+    "none": (lambda d: named(d, "f0", units=""), "units '' of a speed"),
+    "names": (lambda d: d[["f0"]], "has neither wind nor current by a CF standard name, but eastw"),
+    "askew": (
+        lambda d: named(d, "f2", standard_name="x_wind"),
+        "along the axes of its grid (x_wind)",
+    ),
+    "staggered": (
+        lambda d: d.assign(f1=d.f1.drop_vars("latitude").rename(latitude="eta_v")),
+        "are on different points (a staggered grid); bring",
+    ),
+    "depth": (lambda d: d.expand_dims(depth=[0.0, 5.0]), "has a dimension depth of 2; choose one"),
+    "uneven": (lambda d: d.isel(latitude=[0, 1, 3]), "its latitude is not evenly spaced"),
+    "curved": (
+        lambda d: d.rename(latitude="y", longitude="x").assign_coords(
+            lat=(("y", "x"), np.zeros((9, 13))), lon=(("y", "x"), np.zeros((9, 13)))
+        ),
+        "its latitude has two dimensions (a rotated or curvilinear grid)",
+    ),
+    "still": (lambda d: d.isel(time=0, drop=True), "has no dimension time or valid_time"),
+    "clock": (
+        lambda d: d.assign_coords(time=np.arange(9.0)),
+        "its time has no units such",
+    ),
+    "gap": (lambda d: d.isel(time=[0, 1, 5, 6]), "has a gap of 4 h from 2024-06-01T01:00:00"),
+    "late": (lambda d: d.isel(time=[0, 1, 1, 2]), "comes twice"),
+    "empty": (lambda d: d.where(d.time < HOURS[0]), "has 0 times with all values"),
+}
+
+
+@pytest.mark.parametrize("fault", BAD_GRIDS)
+def test_each_malformed_grid_has_one_line(tmp_path: Path, fault: str) -> None:
+    spoil, words = BAD_GRIDS[fault]
+    with pytest.raises(UserError, match=r"^record ") as caught:
+        read_record(saved(tmp_path, spoil(grid())))
+    assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_record_that_does_not_fit_its_mission_is_refused(tmp_path: Path) -> None:
+    wind, far = (
+        write(tmp_path, STEADY),
+        saved(tmp_path, grid().assign_coords(latitude=np.arange(9.0))),
+    )
+    pond = navigation_graph(np.pad(np.ones((4, 5), np.bool_), 1), 4.0, False)
+    bay: Any = (SEA, 10.0, PLACE)
+    cases: list[tuple[dict[str, Any], Any, str]] = [
+        ({"file": str(tmp_path / "none.csv")}, bay, "cannot be read"),
+        ({"file": wind, "wind_speed_mps": 5.0}, bay, "wind_speed_mps = 5: record .* has the wind"),
+        ({"file": wind, "start": "noon"}, bay, "weather.start: 'noon' is no ISO 8601 time"),
+        ({"file": wind, "start": "2024-06-01T07:30"}, (*bay, 3600.0), "give a start within"),
+        ({"file": wind}, (*bay, 9e4), "shorter than an episode of 25 h"),
+        ({"file": wind}, (pond, 10.0), "the map has no water at its edge"),
+        ({"file": saved(tmp_path, grid())}, (SEA, 10.0), "the map has no latitude and longitude"),
+        ({"file": far}, bay, "its latitude from 0 to 8 does not cover the map"),
+    ]
+    for weather, about, words in cases:
+        with pytest.raises(UserError, match=words):
+            Forcing.create(Weather(**weather), KEYS, *about)
