@@ -34,6 +34,7 @@ FREE = {
     "metrics": "by all but the key, which counts: how they are shown",
 }
 """What `run.json` says and a run may differ in, and why."""
+RECORD = Path(__file__).parents[1] / "options" / "record.csv"
 SMALL = ["horizon=2"]
 PLAYERS, ORDER = ("greedy", "levy"), ("scouts", "foragers")
 
@@ -70,6 +71,9 @@ def test_every_key_of_a_scenario_is_of_the_run(played: Path) -> None:
         if name == "faults.team":  # must be one of its teams
             faults = replace(setup.scenario.faults, team="foragers")
             scenario = replace(setup.scenario, faults=faults)
+        if name == "weather.file":  # must be a record
+            weather = replace(setup.scenario.weather, file=str(RECORD))
+            scenario = replace(setup.scenario, weather=weather)
         varied = pinned(replace(setup, scenario=scenario))
         info = run_info(varied, PLAYERS, ["graph"], 2, 0)
         assert_refused(played, partial(RunFolder(played).open, info), name)
