@@ -57,7 +57,7 @@ def _move(
 
 
 def graph_scenario(scenario: Scenario) -> Scenario:
-    """What acts in the graph world: all but gusts, or by the paper's rule the mean wind alone."""
+    """The scenario without gusts, and without currents where the paper's rule lets items drift."""
     weather = scenario.weather if scenario.weather.forced else scenario.weather.still
     return replace(scenario, weather=replace(weather, gust_intensity=0.0))
 

@@ -120,8 +120,8 @@ class Weather:
     shear_exponent: Annotated[float, Within(0, 0.5), _SHEAR] = 0.14
     """Exponent a of the power law: the wind at height h is as (h / record_height_m)^a."""
     drift: Literal["constant", "forced"] | None = None
-    """How items drift where they follow the rule of the graph world: `constant`: all at 0.03 of
-    the mean wind; `forced`: by wind, lee and current where and when they are, each by the leeway of
+    """Drift of items that follow the rule of the graph world: `constant`: all at 0.03 of the
+    mean wind; `forced`: by wind, lee and current where and when they are, each by the leeway of
     its class in `physics.item_classes`; absent: `forced` with a file, else `constant`."""
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
     """Constant drift of an episode's items, uniform in +- this per axis; not with
