@@ -163,9 +163,9 @@ def mean_acceleration(
         around,
     )
     return (
-        (ax + 2 * (bx + cx) + dx) / 6,
-        (ay + 2 * (by + cy) + dy) / 6,
-        (ar + 2 * (br + cr) + dr) / 6,
+        (ax + 2.0 * (bx + cx) + dx) / 6.0,
+        (ay + 2.0 * (by + cy) + dy) / 6.0,
+        (ar + 2.0 * (br + cr) + dr) / 6.0,
     )
 
 
@@ -200,7 +200,7 @@ def damping(
     slope = thruster_slope(p, port, starboard, u_r, r)
     growth = p.linear_yaw * p.yaw_growth + p.quadratic_yaw
     return (
-        p.linear_surge + 2 * quadratic * abs(u_r) + air[0] + slope[0],
-        p.linear_sway + 2 * p.quadratic_sway * abs(v_r) + cross[0] + air[1],
-        p.linear_yaw + 2 * growth * abs(r) + cross[1] + slope[1],
+        p.linear_surge + 2.0 * quadratic * abs(u_r) + air[0] + slope[0],
+        p.linear_sway + 2.0 * p.quadratic_sway * abs(v_r) + cross[0] + air[1],
+        p.linear_yaw + 2.0 * growth * abs(r) + cross[1] + slope[1],
     )

@@ -9,10 +9,10 @@ INTERVALS = 20  # of the Otter's strips: 21 of them, each 1/20 of the length wid
 @kernel
 def _strips(length: float, v: float, r: float) -> tuple[float, float]:
     """Sum of s|s| and of x s|s| over 21 strips, s = v + x r, times their width."""
-    width = length / INTERVALS
+    width = length / float(INTERVALS)
     force = moment = 0.0
     for i in range(INTERVALS + 1):
-        x = (i - INTERVALS // 2) * width
+        x = float(i - INTERVALS // 2) * width
         s = v + x * r
         force += s * abs(s) * width
         moment += x * s * abs(s) * width
