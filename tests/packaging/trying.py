@@ -34,6 +34,7 @@ USERS_OWN = (
 EXTRAS = (
     *("av", "distributed", "stable_baselines3", "tensorboard", "tensordict", "torch"),
     *("torchrl", "pyogrio", "pyproj", "shapely", "mcap", "mcap_ros2", "foxglove", "xarray"),
+    *("warp", "mujoco_warp"),
 )
 """Modules that an installation without extras lacks."""
 

@@ -61,30 +61,14 @@ def _averaged(
     around: vessel_motion.Surroundings,
     body: vessel_motion.Inertia,
 ) -> tuple[float, float, float, float, float, float]:
-    """Loads in body axes that give vessel `v` its mean acceleration, and the inertia to feel.
-
-    Half a step of damping joins the inertia: a contact that stops the vessel then meets the full
-    load at rest, not the load that the free vessel would have had on average. For quadratic drag it
-    is exact with the slope at a third of the step: the mean of (v + a t)^2 over h is
-    v^2 + h a (v + a h/3). Free motion is the same.
-    """
-    h, i = state.step_s, v * VESSEL_DOFS
-    yaw, vx, vy, r = state.qpos[i + 2], state.qvel[i], state.qvel[i + 1], state.qvel[i + 2]
+    """As `vessel_motion.averaged_load`, of vessel `v`."""
+    i = v * VESSEL_DOFS
     command = state.ctrl[2 * v], state.ctrl[2 * v + 1]
     lagged = state.act[2 * v], state.act[2 * v + 1]
-    ax, ay, ar = vessel_motion.mean_acceleration(
-        p, body, yaw, vx, vy, r, command, lagged, around, h
+    pose_and_way = state.qpos[i + 2], state.qvel[i], state.qvel[i + 1], state.qvel[i + 2]
+    return vessel_motion.averaged_load(
+        p, body, *pose_and_way, command, lagged, around, state.step_s
     )
-    c, s = math.cos(yaw), math.sin(yaw)
-    d_surge, d_sway, d_yaw = vessel_motion.damping(
-        p, yaw, vx + h / 3 * ax, vy + h / 3 * ay, r + h / 3 * ar, lagged, around
-    )
-    m_surge, m_sway = body.surge + 0.5 * h * d_surge, body.sway + 0.5 * h * d_sway
-    m_yaw = body.yaw + 0.5 * h * d_yaw
-    ahead, aside = c * ax + s * ay, c * ay - s * ax
-    surge = m_surge * ahead - body.moment * r * r
-    sway = m_sway * aside + body.moment * ar
-    return surge, sway, m_yaw * ar + body.moment * aside, m_surge, m_sway, m_yaw
 
 
 @kernel

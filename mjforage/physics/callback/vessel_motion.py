@@ -204,3 +204,41 @@ def damping(
         p.linear_sway + 2.0 * p.quadratic_sway * abs(v_r) + cross[0] + air[1],
         p.linear_yaw + 2.0 * growth * abs(r) + cross[1] + slope[1],
     )
+
+
+@kernel
+def averaged_load(
+    p: VesselParameters,
+    body: Inertia,
+    yaw: float,
+    vx: float,
+    vy: float,
+    r: float,
+    command: tuple[float, float],
+    lagged: tuple[float, float],
+    around: Surroundings,
+    step_s: float,
+) -> tuple[float, float, float, float, float, float]:
+    """Loads in body axes that give a vessel its mean acceleration, and the inertia to feel.
+
+    Half a step of damping joins the inertia: a contact that stops the vessel then meets the full
+    load at rest, not the load that the free vessel would have had on average. For quadratic drag it
+    is exact with the slope at a third of the step: the mean of (v + a t)^2 over h is
+    v^2 + h a (v + a h/3). Free motion is the same. Parameters are as of `mean_acceleration`.
+
+    Returns
+    -------
+    Surge, sway [N], yaw [N m]; inertia in surge, sway [kg] and yaw [kg m2]
+    """
+    h = step_s
+    ax, ay, ar = mean_acceleration(p, body, yaw, vx, vy, r, command, lagged, around, h)
+    c, s = math.cos(yaw), math.sin(yaw)
+    d_surge, d_sway, d_yaw = damping(
+        p, yaw, vx + h / 3.0 * ax, vy + h / 3.0 * ay, r + h / 3.0 * ar, lagged, around
+    )
+    m_surge, m_sway = body.surge + 0.5 * h * d_surge, body.sway + 0.5 * h * d_sway
+    m_yaw = body.yaw + 0.5 * h * d_yaw
+    ahead, aside = c * ax + s * ay, c * ay - s * ax
+    surge = m_surge * ahead - body.moment * r * r
+    sway = m_sway * aside + body.moment * ar
+    return surge, sway, m_yaw * ar + body.moment * aside, m_surge, m_sway, m_yaw

@@ -1,0 +1,164 @@
+"""Hulls of many worlds in MuJoCo Warp: the fast integrator on a GPU, or slowly on a CPU.
+
+Loads and inertia are those of `callback.vessel_motion`, from the same source, in float32. The
+contacts are MuJoCo's. Items, control and sensing are not here.
+"""
+
+from typing import Any
+
+import mujoco
+import mujoco_warp
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+from mjforage.base.warped import struct_of, warped
+from mjforage.physics.callback import vessel_motion
+from mjforage.physics.callback.model_layout import VESSEL_DOFS
+from mjforage.physics.hydrodynamics.parameters import VesselParameters, pack
+from mjforage.physics.scene import Scene
+from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
+
+Parameters = struct_of(VesselParameters)
+Surroundings = struct_of(vessel_motion.Surroundings)
+_inertia, _averaged_load = warped(vessel_motion.inertia), warped(vessel_motion.averaged_load)
+
+
+@wp.kernel(module="unique")  # type: ignore[untyped-decorator]
+def _add_loads(
+    parameters: wp.array(dtype=Parameters),  # type: ignore[valid-type]
+    row: wp.array(dtype=int),  # type: ignore[valid-type]
+    around: wp.array2d(dtype=Surroundings),  # type: ignore[valid-type]
+    step_s: float,
+    qpos: wp.array2d(dtype=float),  # type: ignore[valid-type]
+    qvel: wp.array2d(dtype=float),  # type: ignore[valid-type]
+    act: wp.array2d(dtype=float),  # type: ignore[valid-type]
+    ctrl: wp.array2d(dtype=float),  # type: ignore[valid-type]
+    force: wp.array2d(dtype=float),  # type: ignore[valid-type]
+    mass: wp.array2d(dtype=float),  # type: ignore[valid-type]
+) -> None:
+    """Force and rows of M of vessel v of world w, as `callback.forces` has them."""
+    w, v = wp.tid()  # type: ignore[misc]
+    i, p, about = 3 * v, parameters[v], around[w, v]
+    body = _inertia(p, about.load)
+    command = wp.vec2(ctrl[w, 2 * v], ctrl[w, 2 * v + 1])
+    lagged = wp.vec2(act[w, 2 * v], act[w, 2 * v + 1])
+    yaw, vx, vy, r = qpos[w, i + 2], qvel[w, i], qvel[w, i + 1], qvel[w, i + 2]
+    surge, sway, turn, m_surge, m_sway, m_yaw = _averaged_load(
+        p, body, yaw, vx, vy, r, command, lagged, about, step_s
+    )
+    c, s = wp.cos(yaw), wp.sin(yaw)
+    force[w, i] = force[w, i] + c * surge - s * sway
+    force[w, i + 1] = force[w, i + 1] + s * surge + c * sway
+    force[w, i + 2] = force[w, i + 2] + turn
+    x, y, z = row[i], row[i + 1], row[i + 2]
+    mass[w, x] = c * c * m_surge + s * s * m_sway
+    mass[w, y] = c * s * (m_surge - m_sway)
+    mass[w, y + 1] = s * s * m_surge + c * c * m_sway
+    mass[w, z] = -s * body.moment
+    mass[w, z + 1] = c * body.moment
+    mass[w, z + 2] = m_yaw
+
+
+class WarpHulls:
+    """The vessels of a scene without items, in many worlds.
+
+    Inputs count from the next step. At first all vessels lie at the origin, without wind, current
+    and load.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        worlds: int = 1,
+        *,
+        step_s: float = 0.1,
+        device: str = "cpu",
+        contacts: int = 16,
+    ) -> None:
+        """Set up worlds.
+
+        Parameters
+        ----------
+        scene : of `build_scene`, with no bodies for items
+        step_s : time step [s]
+        device : "cpu" or "cuda", as Warp names it
+        contacts : of a world, at most
+
+        Raises
+        ------
+        UserError
+            If the scene has items, or there is no such device.
+        """
+        if scene.items:
+            raise UserError(f"warp: a scene with {scene.items} items; give one with none")
+        if device != "cpu" and not wp.is_cuda_available():
+            raise UserError(f"device {device}: there is none here; give cpu")
+        self._shift_s, self._vessels = half_step_s(Integrator.FAST, step_s), len(scene.vessels)
+        model = prepared(scene, Integrator.FAST, step_s)
+        apart = mujoco.MjData(model)
+        apart.qpos[::VESSEL_DOFS] = 1e3 * np.arange(self._vessels)  # no contacts to begin with
+        with wp.ScopedDevice(device):
+            self._model = mujoco_warp.put_model(model)
+            rooms = {"nworld": worlds, "nconmax": contacts, "njmax": 4 * contacts}
+            self._data = mujoco_warp.put_data(model, apart, **rooms)
+            given = [_given(pack(vessel)) for vessel in scene.vessels]
+            self._parameters: Any = wp.array(given, dtype=Parameters)
+            self._row: Any = wp.array(model.M_rowadr, dtype=int)
+            calm = np.zeros((worlds, self._vessels), Surroundings.numpy_dtype())
+            calm["port_left"] = calm["starboard_left"] = 1.0
+            self._around: Any = wp.array(calm, dtype=Surroundings)
+        self._step_s, self._device = step_s, device
+        self._model.callback.passive = self._load
+        self.place_vessels(np.zeros((worlds, self._vessels, VESSEL_DOFS)))
+
+    def _load(self, model: Any, data: Any) -> None:
+        """The callback of MuJoCo Warp."""
+        inputs = [self._parameters, self._row, self._around, self._step_s]
+        inputs += [data.qpos, data.qvel, data.act, data.ctrl, data.qfrc_passive, data.M]
+        wp.launch(_add_loads, self._around.shape, inputs, device=self._device)
+
+    def place_vessels(self, pose: NDArray[np.float64]) -> None:
+        """Put vessels (world, vessel, 3) somewhere, at rest: x, y [m], yaw [rad] of midships."""
+        self._data.qpos.assign(pose.reshape(len(pose), -1).astype(np.float32))
+        self._data.qvel.zero_()
+        self._data.act.zero_()
+
+    def command(self, commands: NDArray[np.float64]) -> None:
+        """Set the commands (world, vessel, 2), port and starboard, [rad/s] or [N]."""
+        self._data.ctrl.assign(commands.reshape(len(commands), -1).astype(np.float32))
+
+    def surround(self, **inputs: NDArray[np.float64] | float) -> None:
+        """Set fields of `vessel_motion.Surroundings`, (world, vessel) each or what broadcasts."""
+        around = self._around.numpy()
+        for name, values in inputs.items():
+            around[name] = values
+        self._around.assign(around)
+
+    def step(self, steps: int = 1) -> None:
+        """Advance all worlds."""
+        with wp.ScopedDevice(self._device):
+            for _ in range(steps):
+                mujoco_warp.step(self._model, self._data)
+
+    @property
+    def vessel_velocity(self) -> NDArray[np.float32]:
+        """(world, vessel, 3) over ground, world axes [m/s], yaw rate [rad/s]; a copy."""
+        flat: NDArray[np.float32] = self._data.qvel.numpy()
+        return flat.reshape(len(flat), self._vessels, VESSEL_DOFS)
+
+    @property
+    def vessel_pose(self) -> NDArray[np.float32]:
+        """(world, vessel, 3) x, y [m], yaw [rad] of midships; a copy."""
+        ahead = self._data.qpos.numpy().reshape(self.vessel_velocity.shape)
+        pose: NDArray[np.float32] = ahead - np.float32(self._shift_s) * self.vessel_velocity
+        return pose
+
+
+def _given(record: Any) -> Any:
+    """A vessel's numbers as Warp's struct."""
+    struct = Parameters()
+    for field in record.dtype.names:
+        setattr(struct, field, float(record[field]))
+    return struct
