@@ -7,7 +7,7 @@ from mjforage.base.fields import Within
 from mjforage.scenario.prior import Prior
 
 LAW_OF_ITEMS = "their law"
-"""What planners are told of the items, as `[prior]` has it: number, clusters, spread, drift."""
+"""Facts of items that planners are told, as in `[prior]`: number, clusters, spread, drift."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -207,7 +207,7 @@ def policy_summary(name: str) -> str:
 
 
 def policy_told(text: str) -> str:
-    """What a policy is told of an episode's items before it, for tables; "" if nothing.
+    """Facts of an episode's items that a policy is told before it, for tables; "" if none.
 
     Its attribute `told`; an upper bound is told the items. "" for an unknown one.
     """

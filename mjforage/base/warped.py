@@ -39,7 +39,7 @@ def struct_of(record: type) -> Any:
 
 
 class _Plain(ast.NodeTransformer):
-    """What Warp does not read, in words that it does."""
+    """The words of a formula as Warp reads them."""
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
         """No decorators, docstring and type of the result; a pair is a vector."""

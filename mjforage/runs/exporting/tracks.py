@@ -1,4 +1,4 @@
-"""Where vessels and items of an episode were, as every format of other programs has it."""
+"""Tracks of the vessels and items of an episode, as every format of other programs has them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class Tracks:
 
     @property
     def place(self) -> Place | None:
-        """Where on the globe the map lies, if it is a place."""
+        """Place of the map on the globe, if it is one."""
         return self.setup.grid.place
 
     def globe(self, to: str) -> Place:
