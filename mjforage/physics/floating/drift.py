@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.controllers.chart import LandArray
 from mjforage.physics.callback.model_layout import CLASS_WIDTH
 from mjforage.physics.floating.quays import Quays, beside_quays, is_clear
 from mjforage.physics.hydrodynamics.item_drag import item_load
@@ -53,7 +54,7 @@ def _acceleration(
     vx: float,
     vy: float,
     quays: Quays,
-    land: NDArray[np.bool_],
+    land: LandArray,
     step_s: float,
     averaged: bool,
 ) -> tuple[float, float]:
@@ -70,7 +71,7 @@ def _acceleration(
         averaged,
     )
     ax, ay = force_x / mass, force_y / mass
-    if land.size and not is_clear(land, quays.pitch_m, quays.radius_m, x, y):
+    if land.cells.size and not is_clear(land, quays.pitch_m, quays.radius_m, x, y):
         ax, ay = beside_quays(quays, x, y, vx, vy, ax, ay, mass)
     return ax, ay
 
@@ -83,7 +84,7 @@ def _runge_kutta(
     vx: float,
     vy: float,
     quays: Quays,
-    land: NDArray[np.bool_],
+    land: LandArray,
     step_s: float,
 ) -> tuple[float, float, float, float]:
     """Position and velocity after a step of the classical method of order 4."""
