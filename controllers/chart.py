@@ -18,13 +18,10 @@ NO_WALLS = np.zeros((0, 5))
 _NEAR_M = 0.25  # walls so near to a cell are among its walls
 
 
-CellArray = NDArray[np.bool_]
-
-
 class LandArray(NamedTuple):
     """Land, for kernels."""
 
-    cells: CellArray  # (column + 2, row + 2) in a frame of land; empty: open water
+    cells: NDArray[np.bool_]  # (column + 2, row + 2) in a frame of land; empty: open water
     first: NDArray[np.int64]  # (cell + 1,) the first wall of each cell, in the order of `cells`
     walls: NDArray[np.float64]  # (wall, 5) as of `Chart`, those of one cell after those of another
 
@@ -111,8 +108,9 @@ def is_behind(land: LandArray, pitch: float, i: int, j: int, x: float, y: float)
 
 
 @kernel
-def is_cell_land(cells: CellArray, i: int, j: int) -> bool:
+def is_cell_land(land: LandArray, i: int, j: int) -> bool:
     """True if cell (i, j), counted from the south-west, is land; all is around a map."""
+    cells = land.cells
     inside = -1 <= i < cells.shape[0] - 1 and -1 <= j < cells.shape[1] - 1
     return bool(not inside or cells[i + 1, j + 1])
 
@@ -123,16 +121,16 @@ def is_land(land: LandArray, pitch: float, x: float, y: float) -> bool:
     if land.cells.size == 0:
         return False
     i, j = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
-    return bool(is_cell_land(land.cells, i, j) or is_behind(land, pitch, i, j, x, y))
+    return bool(is_cell_land(land, i, j) or is_behind(land, pitch, i, j, x, y))
 
 
 @kernel
-def headland(cells: CellArray, i: int, j: int) -> bool:
+def headland(land: LandArray, i: int, j: int) -> bool:
     """True if a quay juts out where cells (i, j) and (i + 1, j + 1) meet: one of four is land."""
-    if cells.size == 0:
+    if land.cells.size == 0:
         return False
-    count = int(is_cell_land(cells, i, j)) + int(is_cell_land(cells, i + 1, j))
-    return count + int(is_cell_land(cells, i, j + 1)) + int(is_cell_land(cells, i + 1, j + 1)) == 1
+    count = int(is_cell_land(land, i, j)) + int(is_cell_land(land, i + 1, j))
+    return count + int(is_cell_land(land, i, j + 1)) + int(is_cell_land(land, i + 1, j + 1)) == 1
 
 
 @kernel
@@ -143,7 +141,7 @@ def way_to_cell(pitch: float, x: float, y: float, i: int, j: int) -> tuple[float
 
 
 @kernel
-def is_nearer(cells: CellArray, i: int, j: int, dx: float, dy: float) -> bool:
+def is_nearer(land: LandArray, i: int, j: int, dx: float, dy: float) -> bool:
     """True if a way (dx, dy) to land cell (i, j) is shorter than to its neighbours before it.
 
     Of a straight quay that is one cell, of two quays in a corner one each; a corner that juts out
@@ -152,7 +150,7 @@ def is_nearer(cells: CellArray, i: int, j: int, dx: float, dy: float) -> bool:
     if dx == 0.0 or dy == 0.0:
         return True
     before_i, before_j = i - (1 if dx > 0.0 else -1), j - (1 if dy > 0.0 else -1)
-    return not (is_cell_land(cells, before_i, j) or is_cell_land(cells, i, before_j))
+    return not (is_cell_land(land, before_i, j) or is_cell_land(land, i, before_j))
 
 
 @kernel

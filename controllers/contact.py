@@ -132,18 +132,17 @@ def heed_around(
 ) -> None:
     """Limit a vessel for the sake of the quays around one point of it, (x, y) from midships [m]."""
     px, py, reach = s.x + x, s.y + y, NEAR_M + INSET_M + s.margin
-    cells, walls = land.cells, land.walls
     low_j, high_j = math.floor((py - reach) / pitch + 0.5), math.floor((py + reach) / pitch + 1.5)
     for i in range(math.floor((px - reach) / pitch + 0.5), math.floor((px + reach) / pitch + 1.5)):
         for j in range(low_j, high_j):
-            if is_cell_land(cells, i, j):
+            if is_cell_land(land, i, j):
                 dx, dy = way_to_cell(pitch, px, py, i, j)
-                if is_nearer(cells, i, j, dx, dy):
+                if is_nearer(land, i, j, dx, dy):
                     heed(s, p, x, y, dx, dy, True, s.margin)
-            elif len(walls):
-                cell = (i + 1) * cells.shape[1] + j + 1
+            elif len(land.walls):
+                cell = (i + 1) * land.cells.shape[1] + j + 1
                 for k in range(land.first[cell], land.first[cell + 1]):
-                    dx, dy, _ = way_to_wall(walls[k], px, py)
+                    dx, dy, _ = way_to_wall(land.walls[k], px, py)
                     face = 1.0 - WALL_M / max(math.hypot(dx, dy), WALL_M)
                     heed(s, p, x, y, face * dx, face * dy, True, s.margin)
 
@@ -151,7 +150,7 @@ def heed_around(
 @kernel
 def heed_land(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> None:
     """Limit a vessel for the sake of quays: its corners, and theirs that jut out."""
-    c, t, cells = math.cos(s.yaw), math.sin(s.yaw), land.cells
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
     long, wide = p.length_m - 2.0 * INSET_M, p.beam_m - 2.0 * INSET_M
     for k in range(4):
         x, y = corner_of(long, wide, c, t, k)
@@ -160,7 +159,7 @@ def heed_land(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> 
     low_i, low_j = math.floor((s.x - reach) / pitch), math.floor((s.y - reach) / pitch)
     for i in range(low_i, math.floor((s.x + reach) / pitch) + 1):
         for j in range(low_j, math.floor((s.y + reach) / pitch) + 1):
-            if headland(cells, i, j):
+            if headland(land, i, j):
                 to_x, to_y = (i + 0.5) * pitch - s.x, (j + 0.5) * pitch - s.y
                 x, y = nearest_of(long, wide, c, t, to_x, to_y)
                 heed(s, p, x, y, to_x - x, to_y - y, True, s.margin)

@@ -85,8 +85,7 @@ def heed_lee(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> N
     The quay at which it collects an item sets no limits while its bow is towards that.
     """
     drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
-    cells = land.cells
-    if cells.size == 0 or drift < LEAST_DRIFT_MPS:
+    if land.cells.size == 0 or drift < LEAST_DRIFT_MPS:
         return
     reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + OFF_M + LEE_S * drift
     reach += s.margin
@@ -97,12 +96,12 @@ def heed_lee(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> N
         math.floor((s.x - reach) / pitch + 0.5), math.floor((s.x + reach) / pitch + 1.5)
     ):
         for j in range(low_j, high_j):
-            if not is_cell_land(cells, i, j):
+            if not is_cell_land(land, i, j):
                 continue
             dx, dy = way_to_cell(pitch, s.x, s.y, i, j)
             of_item = picks and (dx * s.quay_x > abs(dy) or dy * s.quay_y > abs(dx))
             bow_on = c * dx + t * dy > HEADED * math.sqrt(dx * dx + dy * dy)
-            if is_nearer(cells, i, j, dx, dy):
+            if is_nearer(land, i, j, dx, dy):
                 left = keep_off(s, p, dx, dy, 0.0, 0.0, of_item and bow_on)
                 if left < least:
                     least, s.lee_x, s.lee_y = left, dx, dy

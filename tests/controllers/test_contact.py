@@ -206,10 +206,10 @@ def test_the_way_to_a_cell_of_land() -> None:
 
 
 def test_of_a_straight_quay_one_cell_counts_and_a_corner_only_if_it_juts_out() -> None:
-    assert is_nearer(BASIN.cells, 2, -1, 0.0, -0.5)
-    assert not is_nearer(BASIN.cells, 3, -1, 1.0, -0.5)  # its neighbour is nearer
+    assert is_nearer(BASIN, 2, -1, 0.0, -0.5)
+    assert not is_nearer(BASIN, 3, -1, 1.0, -0.5)  # its neighbour is nearer
     land = Chart(grid("...", "...", "#.."), 4.0).land
-    assert is_nearer(land.cells, 0, 0, -0.3, -0.4)
+    assert is_nearer(land, 0, 0, -0.3, -0.4)
 
 
 def test_in_a_corner_of_two_quays_both_limit_a_turn() -> None:
@@ -233,6 +233,6 @@ def test_a_vessel_that_draws_away_may_turn_as_if_it_did_not_drift() -> None:
 
 
 def test_where_land_juts_out(corner: LandArray) -> None:
-    assert headland(corner.cells, 0, 0)
-    assert not headland(corner.cells, 0, 1)  # a straight quay, along the map's edge
-    assert not headland(corner.cells, 1, 1)  # a corner of the basin
+    assert headland(corner, 0, 0)
+    assert not headland(corner, 0, 1)  # a straight quay, along the map's edge
+    assert not headland(corner, 1, 1)  # a corner of the basin

@@ -46,10 +46,9 @@ def room_of_walls(land: LandArray, i: int, j: int, x: float, y: float) -> float:
 def room_at(land: LandArray, pitch: float, x: float, y: float, far: float) -> float:
     """Way [m] from a point to quays in the nine cells around it, at most `far`."""
     i, j, least = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5), far
-    cells = land.cells
     for m in range(i - 1, i + 2):
         for n in range(j - 1, j + 2):
-            if is_cell_land(cells, m, n):
+            if is_cell_land(land, m, n):
                 dx, dy = way_to_cell(pitch, x, y, m, n)
                 least = min(least, math.hypot(dx, dy))
             else:

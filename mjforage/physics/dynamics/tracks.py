@@ -73,7 +73,7 @@ class ItemTracks(NamedTuple):
 def afloat(grid: LandGrid, x: float, y: float) -> tuple[float, float]:
     """The place nearest to (x, y) [m] at which an item lies in water; itself if none is near."""
     land, pitch = grid.land.cells, grid.pitch_m
-    if land.size == 0 or is_clear(land, grid.land.first, pitch, RADIUS_M, x, y):
+    if land.size == 0 or is_clear(grid.land, pitch, RADIUS_M, x, y):
         return x, y
     column, row = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
     least, best_x, best_y = np.inf, x, y

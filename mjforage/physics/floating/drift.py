@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.controllers.chart import CellArray
+from mjforage.controllers.chart import LandArray
 from mjforage.physics.callback.model_layout import CLASS_WIDTH
 from mjforage.physics.floating.quays import Quays, beside_quays, is_clear
 from mjforage.physics.hydrodynamics.item_drag import item_load
@@ -54,12 +54,11 @@ def _acceleration(
     vx: float,
     vy: float,
     quays: Quays,
-    cells: CellArray,
-    first: NDArray[np.int64],
+    land: LandArray,
     step_s: float,
     averaged: bool,
 ) -> tuple[float, float]:
-    """Acceleration [m/s2] of one item; `cells` and `first` are those of `quays`."""
+    """Acceleration [m/s2] of one item; `land` is that of `quays`."""
     force_x, force_y, mass = item_load(
         item.mass_kg,
         item.air,
@@ -72,7 +71,7 @@ def _acceleration(
         averaged,
     )
     ax, ay = force_x / mass, force_y / mass
-    if cells.size and not is_clear(cells, first, quays.pitch_m, quays.radius_m, x, y):
+    if land.cells.size and not is_clear(land, quays.pitch_m, quays.radius_m, x, y):
         ax, ay = beside_quays(quays, x, y, vx, vy, ax, ay, mass)
     return ax, ay
 
@@ -85,8 +84,7 @@ def _runge_kutta(
     vx: float,
     vy: float,
     quays: Quays,
-    cells: CellArray,
-    first: NDArray[np.int64],
+    land: LandArray,
     step_s: float,
 ) -> tuple[float, float, float, float]:
     """Position and velocity after a step of the classical method of order 4."""
@@ -97,9 +95,7 @@ def _runge_kutta(
         weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
         at_x, at_y = x + share * step_s * ahead_x, y + share * step_s * ahead_y
         ahead_x, ahead_y = vx + share * step_s * ax, vy + share * step_s * ay
-        ax, ay = _acceleration(
-            item, at_x, at_y, ahead_x, ahead_y, quays, cells, first, step_s, False
-        )
+        ax, ay = _acceleration(item, at_x, at_y, ahead_x, ahead_y, quays, land, step_s, False)
         sum_vx, sum_vy = sum_vx + weight * ahead_x, sum_vy + weight * ahead_y
         sum_ax, sum_ay = sum_ax + weight * ax, sum_ay + weight * ay
     return x + step_s * sum_vx, y + step_s * sum_vy, vx + step_s * sum_ax, vy + step_s * sum_ay
@@ -120,8 +116,7 @@ def drift(
     Simulation and item that are no finite numbers any more, -1 and -1 if all are.
     """
     q, v, wind, water = afloat.q, afloat.v, afloat.wind, afloat.water
-    kind, kinds, active = afloat.kind, afloat.kinds, afloat.active
-    cells, first = quays.land.cells, quays.land.first
+    kind, kinds, active, land = afloat.kind, afloat.kinds, afloat.active, quays.land
     for e in ids:
         for k in range(kind.shape[1]):
             if kind[e, k] < 0.0 or active[e, k]:
@@ -139,11 +134,11 @@ def drift(
             x, y, vx, vy = q[e, k, 0], q[e, k, 1], v[e, k, 0], v[e, k, 1]
             for _ in range(steps):
                 if averaged:
-                    ax, ay = _acceleration(item, x, y, vx, vy, quays, cells, first, step_s, True)
+                    ax, ay = _acceleration(item, x, y, vx, vy, quays, land, step_s, True)
                     vx, vy = vx + step_s * ax, vy + step_s * ay
                     x, y = x + step_s * vx, y + step_s * vy
                 else:
-                    x, y, vx, vy = _runge_kutta(item, x, y, vx, vy, quays, cells, first, step_s)
+                    x, y, vx, vy = _runge_kutta(item, x, y, vx, vy, quays, land, step_s)
             q[e, k, 0], q[e, k, 1], v[e, k, 0], v[e, k, 1] = x, y, vx, vy
             if not np.isfinite(x + y):
                 return e, k

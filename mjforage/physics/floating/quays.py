@@ -9,11 +9,9 @@ import math
 from typing import NamedTuple
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.controllers.chart import WALL_M, CellArray, LandArray, way_to_wall
+from mjforage.controllers.chart import WALL_M, LandArray, way_to_wall
 
 _LEAST = 1e-15  # MuJoCo's mjMINVAL
 
@@ -95,27 +93,16 @@ def push(quays: Quays, depth_m: float, speed: float, free: float, mass_kg: float
 
 
 @inlined
-def is_clear(
-    cells: CellArray,
-    first: NDArray[np.int64],
-    pitch_m: float,
-    radius_m: float,
-    x: float,
-    y: float,
-) -> bool:
-    """True if an item at (x, y) [m] touches nothing, since it is amid the water of its cell.
-
-    Parameters
-    ----------
-    cells, first : of a `LandArray`
-    """
+def is_clear(land: LandArray, pitch_m: float, radius_m: float, x: float, y: float) -> bool:
+    """True if an item at (x, y) [m] touches nothing, since it is amid the water of its cell."""
+    cells = land.cells
     i, j = math.floor(x / pitch_m + 0.5), math.floor(y / pitch_m + 0.5)
     off = max(abs(x - i * pitch_m), abs(y - j * pitch_m))
     inside = 0 <= i < cells.shape[0] - 2 and 0 <= j < cells.shape[1] - 2
     if not (off <= 0.5 * pitch_m - radius_m and inside and not cells[i + 1, j + 1]):
         return False
     number = (i + 1) * cells.shape[1] + j + 1
-    return bool(first[number] == first[number + 1])
+    return bool(land.first[number] == land.first[number + 1])
 
 
 @kernel
