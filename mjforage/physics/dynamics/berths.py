@@ -19,7 +19,6 @@ from mjforage.physics.dynamics.tracks import RADIUS_M
 
 FloatArray = NDArray[np.float64]
 BERTH_M = 0.2  # between quays and a vessel that turns in its node, or leaves it; an estimate
-LONGEST = 3
 PART_M = 0.5  # steps in which ways between berths are looked at
 SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
 TRIES = 17  # places tried along a side of a node, and from an item to its node's middle
@@ -141,14 +140,14 @@ def berths(
     Parameters
     ----------
     centres : (node, 2) [m]
-    moves : nodes of a decision, at most; longer ways than `LONGEST` nodes are not looked at
+    moves : nodes of a decision, at most
     """
     if not len(land.walls):
         return centres
     side = (np.arange(TRIES) - TRIES // 2) / TRIES
     tries = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
     nearest = np.argsort(np.hypot(*tries.T), kind="stable")
-    return _berths(land, pitch, centres, turn, tries[nearest], min(moves, LONGEST))
+    return _berths(land, pitch, centres, turn, tries[nearest], moves)
 
 
 @kernel
