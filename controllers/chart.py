@@ -1,11 +1,7 @@
-"""Gaps between vessels and land; the map's edge counts as a quay.
-
-Land is made of cells. A map with outlines has walls besides, which reach into cells of water.
-"""
+"""Gaps between vessels and land cells; the map's edge counts as a quay."""
 
 import math
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,25 +9,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.controllers.boxes import box_gap
 
-WALL_M = 0.05  # half thickness of a wall
-NO_WALLS = np.zeros((0, 5))
-_NEAR_M = 0.25  # walls so near to a cell are among its walls
-
-
-class LandArray(NamedTuple):
-    """Land, for kernels."""
-
-    cells: NDArray[np.bool_]  # (column + 2, row + 2) in a frame of land; empty: open water
-    first: NDArray[np.int64]  # (cell + 1,) the first wall of each cell, in the order of `cells`
-    walls: NDArray[np.float64]  # (wall, 5) as of `Chart`, those of one cell after those of another
-
-    @classmethod
-    def of(cls, cells: NDArray[np.bool_]) -> "LandArray":
-        """Land without walls."""
-        return cls(cells, np.zeros(cells.size + 1, np.int64), NO_WALLS)
-
-
-OPEN_WATER = LandArray.of(np.zeros((0, 0), np.bool_))
+LandArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,91 +21,37 @@ class Chart:
     navigable : (row, column) bool, row 0 in the north
     pitch_m : side of a cell [m]; the centre of cell (row, column) is at
         x = column * pitch, y = (rows - 1 - row) * pitch
-    walls : (wall, 5) x, y of its middle [m], cosine and sine of its direction, half its length [m]
     """
 
     navigable: NDArray[np.bool_]
     pitch_m: float
-    walls: NDArray[np.float64] = field(default_factory=NO_WALLS.copy)
 
     @property
     def land(self) -> LandArray:
-        """Its land, cells west to east and south to north."""
+        """(column + 2, row + 2) bool, west to east and south to north, in a frame of land."""
         water = np.pad(np.asarray(self.navigable, np.bool_), 1)
-        land = LandArray.of(np.ascontiguousarray(~water[::-1].T))
-        if not len(self.walls):
-            return land
-        columns, rows = land.cells.shape
-        cell, wall = _by_cell(columns, rows, self.pitch_m, self.walls).T
-        order = np.argsort(cell, kind="stable")
-        first = np.searchsorted(cell[order], np.arange(land.cells.size + 1))
-        return LandArray(land.cells, first, self.walls[wall[order]])
-
-
-@kernel
-def _by_cell(
-    columns: int, rows: int, pitch: float, walls: NDArray[np.float64]
-) -> NDArray[np.int64]:
-    """(n, 2) number of a framed cell, and of a wall that it has."""
-    found, half = [(0, 0) for _ in range(0)], 0.5 * pitch + _NEAR_M
-    for k in range(len(walls)):
-        x, y, c, s, length = walls[k]
-        wide, high = abs(c) * length + _NEAR_M, abs(s) * length + _NEAR_M
-        west, east = math.floor((x - wide) / pitch + 1.5), math.floor((x + wide) / pitch + 2.5)
-        south, north = math.floor((y - high) / pitch + 1.5), math.floor((y + high) / pitch + 2.5)
-        for i in range(max(west, 0), min(east, columns)):
-            for j in range(max(south, 0), min(north, rows)):
-                dx, dy = (i - 1) * pitch - x, (j - 1) * pitch - y
-                if box_gap(dx, dy, c, s, length, 0.0, 1.0, 0.0, half, half) <= 0.0:
-                    found.append((i * rows + j, k))
-    return np.array(found, np.int64).reshape(-1, 2)
-
-
-@kernel
-def way_to_wall(wall: NDArray[np.float64], x: float, y: float) -> tuple[float, float, float]:
-    """Way from a point to the middle line of a wall (5,), and where along it the point is [m]."""
-    along = (x - wall[0]) * wall[2] + (y - wall[1]) * wall[3]
-    least = min(max(along, -wall[4]), wall[4])
-    return wall[0] + least * wall[2] - x, wall[1] + least * wall[3] - y, along
-
-
-@kernel
-def is_behind(land: LandArray, pitch: float, i: int, j: int, x: float, y: float) -> bool:
-    """True if walls part a point of cell (i, j) from its middle, an odd number of them."""
-    if len(land.walls) == 0:
-        return False
-    cell, behind = (i + 1) * land.cells.shape[1] + j + 1, False
-    to_x, to_y = i * pitch - x, j * pitch - y
-    for k in range(land.first[cell], land.first[cell + 1]):
-        mx, my, c, s, half = land.walls[k]
-        ax, ay, bx, by = mx - half * c - x, my - half * s - y, mx + half * c - x, my + half * s - y
-        sides = (to_x * ay - to_y * ax >= 0.0) != (to_x * by - to_y * bx >= 0.0)
-        own, other = s * ax - c * ay >= 0.0, s * (ax - to_x) - c * (ay - to_y) >= 0.0
-        behind ^= sides and own != other
-    return behind
+        return np.ascontiguousarray(~water[::-1].T)
 
 
 @kernel
 def is_cell_land(land: LandArray, i: int, j: int) -> bool:
     """True if cell (i, j), counted from the south-west, is land; all is around a map."""
-    cells = land.cells
-    inside = -1 <= i < cells.shape[0] - 1 and -1 <= j < cells.shape[1] - 1
-    return bool(not inside or cells[i + 1, j + 1])
+    inside = -1 <= i < land.shape[0] - 1 and -1 <= j < land.shape[1] - 1
+    return bool(not inside or land[i + 1, j + 1])
 
 
 @kernel
 def is_land(land: LandArray, pitch: float, x: float, y: float) -> bool:
     """True if a point [m] lies on land; an empty map has none, and all is land around a map."""
-    if land.cells.size == 0:
+    if land.size == 0:
         return False
-    i, j = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
-    return bool(is_cell_land(land, i, j) or is_behind(land, pitch, i, j, x, y))
+    return is_cell_land(land, math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5))
 
 
 @kernel
 def headland(land: LandArray, i: int, j: int) -> bool:
     """True if a quay juts out where cells (i, j) and (i + 1, j + 1) meet: one of four is land."""
-    if land.cells.size == 0:
+    if land.size == 0:
         return False
     count = int(is_cell_land(land, i, j)) + int(is_cell_land(land, i + 1, j))
     return count + int(is_cell_land(land, i, j + 1)) + int(is_cell_land(land, i + 1, j + 1)) == 1
@@ -172,12 +96,12 @@ def quay_gap(
     land, pitch : of a `Chart`; an empty map has no land
     x, y, c, s : centre of the box [m], cosine and sine of its heading
     """
-    nearest, cells, first, walls = reach, land.cells, land.first, land.walls
-    if cells.size == 0:
+    nearest = reach
+    if land.size == 0:
         return nearest
     wide = abs(c) * half_length + abs(s) * half_beam + reach
     high = abs(s) * half_length + abs(c) * half_beam + reach
-    columns, rows = cells.shape
+    columns, rows = land.shape
     west = min(max(math.floor((x - wide) / pitch + 0.5) + 1, 0), columns - 1)
     east = min(max(math.floor((x + wide) / pitch + 0.5) + 1, 0), columns - 1)
     south = min(max(math.floor((y - high) / pitch + 0.5) + 1, 0), rows - 1)
@@ -185,14 +109,8 @@ def quay_gap(
     half = 0.5 * pitch
     for i in range(west, east + 1):
         for j in range(south, north + 1):
-            if cells[i, j]:
+            if land[i, j]:
                 dx, dy = (i - 1) * pitch - x, (j - 1) * pitch - y
                 gap = box_gap(dx, dy, c, s, half_length, half_beam, 1.0, 0.0, half, half)
                 nearest = min(nearest, gap)
-            elif len(walls):
-                for k in range(first[i * rows + j], first[i * rows + j + 1]):
-                    wx, wy, wc, ws, long = walls[k]
-                    dx, dy = wx - x, wy - y
-                    gap = box_gap(dx, dy, c, s, half_length, half_beam, wc, ws, long, WALL_M)
-                    nearest = min(nearest, gap)
     return nearest

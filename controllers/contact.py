@@ -9,15 +9,7 @@ import math
 
 from mjforage.base.compiled import kernel
 from mjforage.controllers.angles import clipped
-from mjforage.controllers.chart import (
-    WALL_M,
-    LandArray,
-    headland,
-    is_cell_land,
-    is_nearer,
-    way_to_cell,
-    way_to_wall,
-)
+from mjforage.controllers.chart import LandArray, headland, is_cell_land, is_nearer, way_to_cell
 from mjforage.controllers.clearance import joint_margin
 from mjforage.controllers.guidance import striking_speed
 from mjforage.controllers.legs import REACTION_S
@@ -139,12 +131,6 @@ def heed_around(
                 dx, dy = way_to_cell(pitch, px, py, i, j)
                 if is_nearer(land, i, j, dx, dy):
                     heed(s, p, x, y, dx, dy, True, s.margin)
-            elif len(land.walls):
-                cell = (i + 1) * land.cells.shape[1] + j + 1
-                for k in range(land.first[cell], land.first[cell + 1]):
-                    dx, dy, _ = way_to_wall(land.walls[k], px, py)
-                    face = 1.0 - WALL_M / max(math.hypot(dx, dy), WALL_M)
-                    heed(s, p, x, y, face * dx, face * dy, True, s.margin)
 
 
 @kernel

@@ -85,7 +85,7 @@ def heed_lee(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> N
     The quay at which it collects an item sets no limits while its bow is towards that.
     """
     drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
-    if land.cells.size == 0 or drift < LEAST_DRIFT_MPS:
+    if land.size == 0 or drift < LEAST_DRIFT_MPS:
         return
     reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + OFF_M + LEE_S * drift
     reach += s.margin

@@ -39,7 +39,6 @@ _AXES = {
     "track_present": "fi",
     "track_wind": "f2",
     "t_discovered": "i",
-    "quays": "q4",
     **KNOWLEDGE_AXES,
 }
 """Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
@@ -82,8 +81,6 @@ class Recording:
     episode: int = 0
     knowledge: KnowledgeRecord | None = None
     """Knowledge of each agent; None where all agents know everything."""
-    quays: NDArray[np.float32] | None = None
-    """(q, 4) edges of the land's closed outlines, x, y of both ends [m]; None without outlines."""
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -120,8 +117,8 @@ class Recording:
 
 def _values(file: Any) -> dict[str, Any]:
     """The fields of a recording from an open npz file."""
-    names = [one.name for one in fields(Recording) if one.name not in ("knowledge", "quays")]
-    values = {name: file[name] for name in [*names, *({"quays"} & set(file))]}
+    names = [one.name for one in fields(Recording) if one.name != "knowledge"]
+    values = {name: file[name] for name in names}
     _check_axes(values | {name: file[name] for name in KNOWLEDGE_AXES if name in file})
     values["knowledge"] = KnowledgeRecord.of(file, values["navigable"].size)
     for kind, words in (
@@ -137,7 +134,7 @@ def _values(file: Any) -> dict[str, Any]:
 
 def _check_axes(values: dict[str, Any]) -> None:
     """Arrays of numbers, whose axes fit together."""
-    sizes = {"2": 2, "3": 3, "4": 4}
+    sizes = {"2": 2, "3": 3}
     for name in [one for one in _AXES if one in values]:
         array, axes = values[name], _AXES[name]
         if array.dtype.kind not in "biuf" or array.ndim != len(axes):

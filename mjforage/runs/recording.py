@@ -1,7 +1,5 @@
 """Recording one episode as a `Recording`, by playing it again from its seed."""
 
-import itertools
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +12,6 @@ from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.knowledge_record import KnowledgeRecorder
 from mjforage.scenario.debris import item_choices
-from mjforage.scenario.place import Ring
 from mjforage.scenario.vessel_files import hull_names
 
 
@@ -74,7 +71,6 @@ def record(
     else:
         mission.run(create_policy(policy), observers)
     choice, frames = setup.scenario.physics, trajectory.frames
-    edges = [(*a, *b) for ring in _rings(setup) for a, b in itertools.pairwise(ring)]
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Recording(
         navigable=setup.grid.navigable,
@@ -103,10 +99,4 @@ def record(
         episode=episode,
         t_discovered=mission.ledger.t_discovered[0],
         knowledge=by_agent.record(mission) if by_agent else None,
-        quays=np.array(edges, np.float32) if edges else None,
     )
-
-
-def _rings(setup: Setup) -> tuple[Ring, ...]:
-    """Outlines of the land, none if the map has none."""
-    return setup.grid.place.quays if setup.grid.place else ()

@@ -8,7 +8,6 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.controllers import Chart
-from mjforage.controllers.chart import OPEN_WATER
 from mjforage.controllers.lee_shore import (
     HEADED,
     LEE_S,
@@ -206,8 +205,8 @@ def test_another_vessel_is_kept_off_unless_it_drifts_alike(drifts: bool) -> None
     other.vy = -SET_MPS if drifts else 0.0
     heed_lee_vessel(s, P, other, P)
     assert s.most_ahead == (FREE if drifts else pytest.approx((0.1 - OFF_M) / LEE_S))
-    fleet, models = np.array([s, other]), np.array([P, P])
-    limit_speeds(fleet, models, OPEN_WATER, PITCH_M, 0)
+    fleet, models, sea = np.array([s, other]), np.array([P, P]), np.zeros((0, 0), np.bool_)
+    limit_speeds(fleet, models, sea, PITCH_M, 0)
     assert (fleet["most_ahead"][0] < 0.0) == (not drifts)
 
 

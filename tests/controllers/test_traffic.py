@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.controllers.chart import OPEN_WATER, Chart, LandArray
+from mjforage.controllers.chart import Chart
 from mjforage.controllers.conflicts import NONE, Traffic, conflict, runs_aground
 from mjforage.controllers.detours import straight_on
 from mjforage.controllers.lee_shore import UNLIMITED
@@ -22,6 +22,8 @@ from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import FORAGER, SCOUT, sail, vessel_at
 from tests.graph_planner.charts import grid
 
+OPEN = np.zeros((0, 0), np.bool_)
+
 
 def ordered(s: VesselState, p: ModelRecord, x: float, y: float) -> VesselState:
     """The vessel at the start of its decision to go to (x, y), or to stay there."""
@@ -30,14 +32,12 @@ def ordered(s: VesselState, p: ModelRecord, x: float, y: float) -> VesselState:
     return s
 
 
-def traffic(
-    *vessels: VesselState, model: ModelRecord = FORAGER, land: LandArray = OPEN_WATER
-) -> Traffic:
+def traffic(*vessels: VesselState, model: ModelRecord = FORAGER, land: object = OPEN) -> Traffic:
     fleet, n = np.array([*vessels], STATE), len(vessels)
     models = np.array([model] * n, MODEL)
     rank_fleet(fleet, models, np.zeros((SAMPLES, 4)))
     paths = np.zeros((n + 1, SAMPLES, 4))
-    return Traffic(fleet, models, paths, np.zeros((n, n)), land, 4.0)
+    return Traffic(fleet, models, paths, np.zeros((n, n)), np.asarray(land, np.bool_), 4.0)
 
 
 @pytest.mark.parametrize("name", ["scout", "forager"])
@@ -138,7 +138,7 @@ def test_a_vessel_at_rest_makes_room_in_a_corridor() -> None:
 def limits(*vessels: VesselState) -> NDArray[np.float64]:
     """Fastest safe speeds ahead and astern of the first scout, on open water."""
     fleet = np.array([*vessels], STATE)
-    limit_speeds(fleet, np.array([SCOUT] * len(vessels), MODEL), OPEN_WATER, 4.0, 0)
+    limit_speeds(fleet, np.array([SCOUT] * len(vessels), MODEL), OPEN, 4.0, 0)
     return np.array([fleet[0].most_ahead, fleet[0].most_astern])
 
 
@@ -181,7 +181,7 @@ def test_a_vessel_beside_another_turns_by_the_size_of_that_one() -> None:
     for other in (SCOUT, FORAGER):
         beside = vessel_at(0.0, 0.1 + 0.5 * (SCOUT.beam_m + FORAGER.beam_m))
         fleet = np.array([vessel_at(0.0, 0.0), beside], STATE)
-        limit_speeds(fleet, np.array([SCOUT, other], MODEL), OPEN_WATER, 4.0, 0)
+        limit_speeds(fleet, np.array([SCOUT, other], MODEL), OPEN, 4.0, 0)
         turns.append(fleet[0].most_port)
     assert turns[1] < 0.9 * turns[0]
 

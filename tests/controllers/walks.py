@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import episode_keys
 from mjforage.controllers import Chart, Pilot
-from mjforage.controllers.chart import OPEN_WATER
 from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
 from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver
@@ -77,7 +76,7 @@ def _touches(
 ) -> None:
     """`touches` of every episode."""
     for e in range(pose.shape[0]):
-        touches(pose[e], velocity[e], size, framed, pitch_m, OPEN_WATER, touching[e], closing[e])
+        touches(pose[e], velocity[e], size, framed, pitch_m, touching[e], closing[e])
 
 
 def crowding(

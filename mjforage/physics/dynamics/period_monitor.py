@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.controllers.chart import LandArray
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.touch import touches
@@ -85,7 +84,6 @@ class MonitorSetup(NamedTuple):
     size: FloatArray  # (vessel, 2) half length, half beam [m]
     framed: Int32Array  # cells in a frame of land, `Water.framed`
     pitch_m: float
-    land: LandArray  # whose walls, if it has some, are the quays
     tick_s: float
 
 
@@ -117,7 +115,7 @@ def monitor(setup: MonitorSetup, seen: PeriodRecord, active: NDArray[np.bool_], 
         if not active[e]:
             continue
         start = tick.before.velocity[e]
-        touches(tick.met[e], start, size, setup.framed, setup.pitch_m, setup.land, now, closing)
+        touches(tick.met[e], start, size, setup.framed, setup.pitch_m, now, closing)
         for v in range(vessels):
             x, y = pose[e, v, 0], pose[e, v, 1]
             seen.travelled_m[e, v] += math.hypot(x - before[e, v, 0], y - before[e, v, 1])

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.controllers.chart import WALL_M, LandArray
 from mjforage.graph_planner.graph.geodesics import Int32Array
 
 TOLERANCE_M = 0.005  # a gap below this counts as a touch: a hull that slides is lifted so far
@@ -149,12 +148,10 @@ def _touch_quays(
     size: FloatArray,
     framed: Int32Array,
     pitch_m: float,
-    land: LandArray,
 ) -> tuple[bool, float]:
     """Contact of one vessel with land: True if it touches, fastest approach [m/s], at least 0."""
     rows, cols = framed.shape
     cell, half, still = np.zeros(3), np.full(2, 0.5 * pitch_m), np.zeros(3)
-    thin, long = np.zeros(3), np.full(2, WALL_M)
     touching, closing = False, 0.0
     wide = math.hypot(size[0], size[1])
     low_col = math.floor((pose[0] - wide) / pitch_m + 0.5) + 1
@@ -163,19 +160,7 @@ def _touch_quays(
     high_row = rows - 2 - math.floor((pose[1] - wide) / pitch_m + 0.5)
     for r in range(max(0, low_row), min(rows, high_row + 1)):
         for c in range(max(0, low_col), min(cols, high_col + 1)):
-            if len(land.walls):  # those around the map are of the frame
-                number = c * rows + rows - 1 - r
-                for k in range(land.first[number], land.first[number + 1]):
-                    wall = land.walls[k]
-                    thin[0], thin[1], thin[2] = wall[0], wall[1], math.atan2(wall[3], wall[2])
-                    long[0] = wall[4]
-                    hit, nx, ny, own = contact(pose, thin, size, long)
-                    if hit:
-                        touching = True
-                        speed = closing_speed(pose, thin, velocity, still, size, long, nx, ny, own)
-                        closing = max(closing, speed)
-            inside = 0 < r < rows - 1 and 0 < c < cols - 1
-            if framed[r, c] >= 0 or (len(land.walls) and inside):
+            if framed[r, c] >= 0:
                 continue
             cell[0], cell[1] = (c - 1) * pitch_m, (rows - 2 - r) * pitch_m
             hit, nx, ny, own = contact(pose, cell, size, half)
@@ -195,7 +180,6 @@ def touches(
     size: FloatArray,
     framed: Int32Array,
     pitch_m: float,
-    land: LandArray,
     touching: NDArray[np.bool_],
     closing: FloatArray,
 ) -> None:
@@ -209,11 +193,10 @@ def touches(
     velocity : (vessel, 3) over ground, world axes, before the contact acts [m/s], [rad/s]
     size : (vessel, 2) half length, half beam [m]
     framed : (row + 2, column + 2) cells in a frame of land, -1 on land (`Water.framed`)
-    land : whose walls, if it has some, are the quays in the place of the cells
     touching, closing : (vessel,) written: in contact, and the fastest approach [m/s]
     """
     for v in range(pose.shape[0]):
-        touching[v], closing[v] = _touch_quays(pose[v], velocity[v], size[v], framed, pitch_m, land)
+        touching[v], closing[v] = _touch_quays(pose[v], velocity[v], size[v], framed, pitch_m)
         wide = math.hypot(size[v, 0], size[v, 1])
         for w in range(v):
             reach = wide + math.hypot(size[w, 0], size[w, 1])

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all, scatter_rows
-from mjforage.controllers.chart import LandArray
 from mjforage.physics.dynamics.camera import Camera, sight_items, variance
 from mjforage.physics.floating.quays import is_clear
 
@@ -33,7 +32,7 @@ NOWHERE = np.full(2, np.nan)
 class LandGrid(NamedTuple):
     """Cells of land, of which tracks keep off."""
 
-    land: LandArray  # as `controllers.Chart.land`
+    land: NDArray[np.bool_]  # (column + 2, row + 2) as `controllers.Chart.land`
     pitch_m: float
 
 
@@ -72,8 +71,8 @@ class ItemTracks(NamedTuple):
 @kernel
 def afloat(grid: LandGrid, x: float, y: float) -> tuple[float, float]:
     """The place nearest to (x, y) [m] at which an item lies in water; itself if none is near."""
-    land, pitch = grid.land.cells, grid.pitch_m
-    if land.size == 0 or is_clear(grid.land, pitch, RADIUS_M, x, y):
+    land, pitch = grid.land, grid.pitch_m
+    if land.size == 0 or is_clear(land, pitch, RADIUS_M, x, y):
         return x, y
     column, row = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
     least, best_x, best_y = np.inf, x, y

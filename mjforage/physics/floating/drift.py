@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.controllers.chart import LandArray
 from mjforage.physics.callback.model_layout import CLASS_WIDTH
 from mjforage.physics.floating.quays import Quays, beside_quays, is_clear
 from mjforage.physics.hydrodynamics.item_drag import item_load
@@ -54,7 +53,7 @@ def _acceleration(
     vx: float,
     vy: float,
     quays: Quays,
-    land: LandArray,
+    land: NDArray[np.bool_],
     step_s: float,
     averaged: bool,
 ) -> tuple[float, float]:
@@ -71,7 +70,7 @@ def _acceleration(
         averaged,
     )
     ax, ay = force_x / mass, force_y / mass
-    if land.cells.size and not is_clear(land, quays.pitch_m, quays.radius_m, x, y):
+    if land.size and not is_clear(land, quays.pitch_m, quays.radius_m, x, y):
         ax, ay = beside_quays(quays, x, y, vx, vy, ax, ay, mass)
     return ax, ay
 
@@ -84,7 +83,7 @@ def _runge_kutta(
     vx: float,
     vy: float,
     quays: Quays,
-    land: LandArray,
+    land: NDArray[np.bool_],
     step_s: float,
 ) -> tuple[float, float, float, float]:
     """Position and velocity after a step of the classical method of order 4."""

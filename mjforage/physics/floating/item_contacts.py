@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.controllers.chart import WALL_M, way_to_wall
 from mjforage.forcing import LEEWAY
 from mjforage.physics.floating.drift import Afloat
 from mjforage.physics.floating.quays import Quays
@@ -99,8 +98,7 @@ def _bounds(quays: Quays, state: Float64Array) -> Float64Array:
 
     No farther than the diameter of an item. One in a quay is not moved deeper.
     """
-    land, pitch, radius = quays.land.cells, quays.pitch_m, quays.radius_m
-    first, walls = quays.land.first, quays.land.walls
+    land, pitch, radius = quays.land, quays.pitch_m, quays.radius_m
     bounds, far = np.empty((len(state), 4)), 2.0 * radius
     for k in range(len(state)):
         x, y = state[k, 0], state[k, 1]
@@ -118,11 +116,6 @@ def _bounds(quays: Quays, state: Float64Array) -> Float64Array:
             free_x, free_y = gap_x if by_x else far, gap_y if by_y else far
             if land[i, j]:
                 free_x = free_y = far = 0.0
-            number = i * land.shape[1] + j
-            for w in range(first[number], first[number + 1]):
-                to_x, to_y, _ = way_to_wall(walls[w], x, y)
-                far = min(far, max(0.0, math.hypot(to_x, to_y) - WALL_M - radius))
-                free_x, free_y = min(free_x, far), min(free_y, far)
         bounds[k, 0], bounds[k, 2] = x - far, x + far
         bounds[k, 1], bounds[k, 3] = y - far, y + far
         bounds[k, 1 + side_x], bounds[k, 2 + side_y] = x + side_x * free_x, y + side_y * free_y

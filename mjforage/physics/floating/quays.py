@@ -1,17 +1,17 @@
 """An item against quays, as MuJoCo's solver has it: soft contacts of a sphere, without friction.
 
 Equations of MuJoCo's documentation, chapters "Computation" and "Modeling: Solver parameters". The
-cells that an item touches at once are at right angles, so that each contact is solved by itself;
-walls at other angles are so one after the other.
+quays that an item touches at once are at right angles, so that each contact is solved by itself.
 """
 
 import math
 from typing import NamedTuple
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.controllers.chart import WALL_M, LandArray, way_to_wall
 
 _LEAST = 1e-15  # MuJoCo's mjMINVAL
 
@@ -19,7 +19,7 @@ _LEAST = 1e-15  # MuJoCo's mjMINVAL
 class Quays(NamedTuple):
     """Land, and the softness of a contact with it."""
 
-    land: LandArray  # as `controllers.Chart.land`
+    land: NDArray[np.bool_]  # (column + 2, row + 2) as `controllers.Chart.land`; empty: open water
     pitch_m: float
     radius_m: float  # of an item
     stiffness: float  # k of the reference acceleration -b v - k d r [1/s2]
@@ -32,7 +32,7 @@ class Quays(NamedTuple):
     mobility: float  # inverse mass that MuJoCo takes for the softness of contacts [1/kg]
 
 
-def quays_of(model: mujoco.MjModel, item: int, land: LandArray, pitch_m: float) -> Quays:
+def quays_of(model: mujoco.MjModel, item: int, land: NDArray[np.bool_], pitch_m: float) -> Quays:
     """Quays for the items of a model.
 
     Parameters
@@ -93,16 +93,12 @@ def push(quays: Quays, depth_m: float, speed: float, free: float, mass_kg: float
 
 
 @inlined
-def is_clear(land: LandArray, pitch_m: float, radius_m: float, x: float, y: float) -> bool:
+def is_clear(land: NDArray[np.bool_], pitch_m: float, radius_m: float, x: float, y: float) -> bool:
     """True if an item at (x, y) [m] touches nothing, since it is amid the water of its cell."""
-    cells = land.cells
     i, j = math.floor(x / pitch_m + 0.5), math.floor(y / pitch_m + 0.5)
     off = max(abs(x - i * pitch_m), abs(y - j * pitch_m))
-    inside = 0 <= i < cells.shape[0] - 2 and 0 <= j < cells.shape[1] - 2
-    if not (off <= 0.5 * pitch_m - radius_m and inside and not cells[i + 1, j + 1]):
-        return False
-    number = (i + 1) * cells.shape[1] + j + 1
-    return bool(land.first[number] == land.first[number + 1])
+    inside = 0 <= i < land.shape[0] - 2 and 0 <= j < land.shape[1] - 2
+    return bool(off <= 0.5 * pitch_m - radius_m and inside and not land[i + 1, j + 1])
 
 
 @kernel
@@ -116,7 +112,7 @@ def beside_quays(
     x, y, vx, vy : its position [m] and velocity over ground [m/s]
     ax, ay : its acceleration without contacts [m/s2]
     """
-    land, pitch, radius = quays.land.cells, quays.pitch_m, quays.radius_m
+    land, pitch, radius = quays.land, quays.pitch_m, quays.radius_m
     i, j = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
     off_x, off_y = x - i * pitch, y - j * pitch
     side_x, side_y = 1 if off_x > 0.0 else -1, 1 if off_y > 0.0 else -1
@@ -137,15 +133,6 @@ def beside_quays(
             nx, ny = -side_x * gap_x / gap, -side_y * gap_y / gap
             more = push(quays, radius - gap, nx * vx + ny * vy, nx * ax + ny * ay, mass_kg)
             ax, ay = ax + nx * more, ay + ny * more
-    number, walls = i * land.shape[1] + j, quays.land.walls
-    for k in range(quays.land.first[number], quays.land.first[number + 1]):
-        to_x, to_y, along = way_to_wall(walls[k], x, y)
-        gap = math.hypot(to_x, to_y)
-        if 0.0 < gap < radius + WALL_M and along < walls[k, 4]:  # the next wall has its end
-            nx, ny = -to_x / gap, -to_y / gap
-            speed, free = nx * vx + ny * vy, nx * ax + ny * ay
-            more = push(quays, radius + WALL_M - gap, speed, free, mass_kg)
-            ax, ay = ax + nx * more, ay + ny * more
     return ax, ay
 
 
@@ -163,7 +150,7 @@ def _off_land(
     mass_kg: float,
 ) -> tuple[float, float]:
     """Acceleration of an item whose middle is in land: out by the nearest side with water."""
-    land, half, least, nx, ny = quays.land.cells, 0.5 * quays.pitch_m, math.inf, 0, 0
+    land, half, least, nx, ny = quays.land, 0.5 * quays.pitch_m, math.inf, 0, 0
     for side in (1, -1):
         west_east = 0 <= i + side < land.shape[0] and not land[i + side, j]
         if west_east and half - side * off_x < least:

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from mjforage.controllers.chart import OPEN_WATER, LandArray
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.dynamics import Transition, start_state
 from mjforage.mission.initial_state import InitialState
@@ -22,7 +21,7 @@ from mjforage.scenario.scenario import Physics
 
 ON = np.ones(1, np.bool_)
 GRAPH = navigation_graph(np.array([[1, 1, 1], [1, 0, 1]], np.bool_), 4.0, False)
-OPEN = LandGrid(OPEN_WATER, 4.0)
+OPEN = LandGrid(np.zeros((0, 0), np.bool_), 4.0)
 REACH = Reach(np.array([False, True]), np.array([[0.7, 0.5], [1.0, 0.54]]), OPEN, narrow=True)
 CENTRES = np.stack((GRAPH.rows, GRAPH.cols), axis=1).astype(np.float64)
 
@@ -142,8 +141,8 @@ def test_an_item_beside_the_node_is_picked_up_if_midships_need_not_leave_it() ->
     assert sought(0.0, -2.77)[0] == [0.0, -2.77]
     assert sought(2.77, 0.0)[3] == IDLE and sought(1.9, 0.0)[3] == MISSED
     assert sought(2.7, 0.0, at=(2.7, -1.2))[0] != [2.7, 0.0]  # from where it is, it would leave
-    quay = LandGrid(LandArray.of(np.zeros((5, 5), np.bool_)), 4.0)
-    quay.land.cells[2, 2] = True  # whose sides are 2 m from (4, 4)
+    quay = LandGrid(np.zeros((5, 5), np.bool_), 4.0)
+    quay.land[2, 2] = True  # whose sides are 2 m from (4, 4)
     assert sought(2.5, 1.3, reach=REACH._replace(grid=quay))[0] == [2.5, 1.3]
     assert np.isnan(sought(2.5, 1.5, reach=REACH._replace(grid=quay))[0]).all()
     for x, y in ((2.79, 0.0), (2.1, 2.1)):

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from mjforage.controllers.chart import OPEN_WATER
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.period_monitor import (
     MonitorSetup,
@@ -18,7 +17,7 @@ from mjforage.physics.vessels import load_vessel
 OTTER = load_vessel("otter")
 OPEN = np.pad(np.arange(25, dtype=np.int32).reshape(5, 5), 1, constant_values=-1)
 ON = np.ones(1, np.bool_)
-SETUP = MonitorSetup(pack_fleet([OTTER]), np.array([[1.0, 0.54]]), OPEN, 4.0, OPEN_WATER, 0.1)
+SETUP = MonitorSetup(pack_fleet([OTTER]), np.array([[1.0, 0.54]]), OPEN, 4.0, 0.1)
 
 
 def noted(

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.controllers.chart import OPEN_WATER
 from mjforage.physics.dynamics.touch import contact, touches
 
 HULL = np.array([1.0, 0.5])  # half length, half beam [m]
@@ -55,16 +54,7 @@ def found(
 ) -> tuple[list[bool], list[float]]:
     touching, closing = np.zeros(len(poses), np.bool_), np.zeros(len(poses))
     size = np.tile(HULL, (len(poses), 1))
-    touches(
-        np.stack(poses),
-        np.array(velocities),
-        size,
-        framed(rows),
-        4.0,
-        OPEN_WATER,
-        touching,
-        closing,
-    )
+    touches(np.stack(poses), np.array(velocities), size, framed(rows), 4.0, touching, closing)
     return touching.tolist(), closing.tolist()
 
 

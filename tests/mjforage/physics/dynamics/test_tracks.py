@@ -5,7 +5,6 @@ import numpy as np
 
 from mjforage.base.randomness import episode_keys
 from mjforage.controllers import Chart
-from mjforage.controllers.chart import OPEN_WATER
 from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.tracks import (
     FORGET_S,
@@ -22,7 +21,7 @@ from mjforage.physics.dynamics.tracks import (
 from mjforage.scenario.scenario import Sensors
 
 STEP_S = 0.1
-OPEN = LandGrid(OPEN_WATER, 4.0)
+OPEN = LandGrid(np.zeros((0, 0), np.bool_), 4.0)
 BASIN = LandGrid(Chart(np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], np.bool_), 4.0).land, 4.0)
 REAL = Sensors(0.1, 1.0, 0.95, camera_noise_m=0.1)
 EXACT = Sensors(camera_range_noise_per_m=0.0, camera_range_m=1e4)

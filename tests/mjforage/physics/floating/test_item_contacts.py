@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.controllers.chart import LandArray
 from mjforage.forcing import LEEWAY
 from mjforage.physics.floating import Afloat, Quays, separate
 from mjforage.physics.floating.item_contacts import (
@@ -33,7 +32,7 @@ Array = NDArray[np.float64]
 
 
 def quays_of(land: NDArray[np.bool_]) -> Quays:
-    return Quays(LandArray.of(land), 4.0, RADIUS_M, 1.0, 1.0, 0.9, 0.95, 0.001, 0.5, 2.0, 1.0)
+    return Quays(land, 4.0, RADIUS_M, 1.0, 1.0, 0.9, 0.95, 0.001, 0.5, 2.0, 1.0)
 
 
 def afloat_of(q: Array, v: Array, kind: Array, wind: tuple[float, float] = (0.0, 0.0)) -> Afloat:

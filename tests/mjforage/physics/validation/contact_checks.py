@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from mjforage.controllers.chart import OPEN_WATER
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.dynamics import start_state
 from mjforage.mission.initial_state import InitialState
@@ -211,7 +210,7 @@ def _taken(places: Float64Array, room: int = 10_000, collects: bool = True) -> N
     c, s = np.cos(yaw), np.sin(yaw)
     xy = places @ np.array([[c, s], [-s, c]]) + (5.0, -3.0)
     size = np.array([[0.5 * forager.length_m, 0.5 * forager.beam_m]])
-    reach = Reach(np.array([collects]), size, LandGrid(OPEN_WATER, PITCH_M), False)
+    reach = Reach(np.array([collects]), size, LandGrid(np.zeros((0, 0), np.bool_), PITCH_M), False)
     pose, left = np.array([[[5.0, -3.0, yaw]]]), np.array([[room]], np.int64)
     mouths = mouths_of(Physics(), 1, 0.1).of(1)
     collect_at_mouth(reach, np.ones(1, np.bool_), pose, xy[None], left, state, mouths, np.zeros(1))
@@ -224,8 +223,7 @@ def noted(
     """What a mission notes of a simulation in the basin, for a time, or until the first touch."""
     size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in vessels])
     framed = np.pad(np.arange(25, dtype=np.int32).reshape(5, 5), 1, constant_values=-1)
-    quays = framed, simulation.scene.pitch_m, OPEN_WATER
-    setup = MonitorSetup(pack_fleet(vessels), size, *quays, STEP_S)
+    setup = MonitorSetup(pack_fleet(vessels), size, framed, simulation.scene.pitch_m, STEP_S)
     shape = (1, len(vessels))
     seen, on = PeriodRecord.of(shape), np.ones(1, np.bool_)
     for _ in range(round(seconds / STEP_S)):
