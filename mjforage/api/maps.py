@@ -152,8 +152,9 @@ class Map:
         source, target = checks.path("file", file), checks.path("folder", folder)
         grid = make_place(source, layout, choice, known, checks.text("licence", licence))
         Map.of(grid, layout.pitch_m, ()).to_file(target)
-        save_map_picture([grid], target / PICTURE_FILE)
-        return Map(target)
+        made = Map(target)
+        save_map_picture([made._grid], target / PICTURE_FILE)
+        return made
 
     @property
     def name(self) -> str:

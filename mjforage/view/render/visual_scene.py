@@ -150,9 +150,20 @@ def _freeze(spec: mujoco.MjSpec, body: mujoco.MjsBody, scale: float, appearance:
 def _add_items(spec: mujoco.MjSpec, classes: NDArray[np.int16], scale: float) -> None:
     """One body per item, with the appearance of its class."""
     part, names = shipped_part("debris"), [kind.name for kind in load_debris()]
+    worn = {geom.name: geom.material for geom in part.body("item").geoms}
+    for geom in part.body("item").geoms:
+        geom.material = ""
+    for one in list(part.materials):  # MuJoCo draws no more than 1,000: items share theirs
+        look = {"rgba": one.rgba, "specular": one.specular, "shininess": one.shininess}
+        spec.add_material(name=one.name, **look)
+        part.delete(one)
+    parts = {kind: part.copy() for kind in set(classes.tolist())}
+    for kind, own in parts.items():  # what is deleted later costs a whole scene
+        _freeze(own, own.body("item"), scale, names[kind])
     for k, kind in enumerate(classes.tolist()):
-        body = spec.worldbody.add_frame().attach_body(part.copy().body("item"), f"item-{k}/", "")
-        _freeze(spec, body, scale, f"item-{k}/{names[kind]}")
+        frame, own = spec.worldbody.add_frame(), parts[kind].copy()
+        for geom in frame.attach_body(own.body("item"), f"item-{k}/", "").geoms:
+            geom.material = worn[geom.name.removeprefix(f"item-{k}/")]
 
 
 def distance_ahead(depth: NDArray[np.float32], near_m: float) -> NDArray[np.float32]:

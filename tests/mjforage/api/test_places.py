@@ -13,7 +13,9 @@ from polars.testing import assert_frame_equal
 import mjforage as mf
 from mjforage.cli import main
 from mjforage.runs.tables import ON_A_PLACE
+from mjforage.scenario.maps import GridMap
 from mjforage.scenario.place import Place
+from mjforage.view.figures.map_pictures import save_map_picture
 from tests.mjforage.scenario.placing.drawn import geojson
 
 BASIN = shapely.box(-60, -40, 60, 40)
@@ -37,7 +39,7 @@ def place_of(found: mf.Map) -> Place:
     return found.place
 
 
-def test_a_place_is_a_map_with_a_picture(harbour: Path) -> None:
+def test_a_place_is_a_map_with_a_picture(harbour: Path, tmp_path: Path) -> None:
     found = mf.Map(harbour)
     assert (found.name, found.pitch_m) == ("port", 4.0)
     assert found.water.shape == (22, 32)
@@ -48,6 +50,8 @@ def test_a_place_is_a_map_with_a_picture(harbour: Path) -> None:
     assert place_of(mf.Map(harbour / "place.toml")) == place
     with Image.open(harbour / "harbour.png") as image:
         assert image.width > 300
+    save_map_picture([GridMap("port", found.water)], tmp_path / "port.png")
+    assert (harbour / "harbour.png").read_bytes() == (tmp_path / "port.png").read_bytes()
 
 
 def test_a_scenario_of_a_place(harbour: Path, tmp_path: Path) -> None:

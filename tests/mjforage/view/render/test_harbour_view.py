@@ -150,3 +150,10 @@ def test_hulls_and_items_rock_a_little_around_their_places() -> None:
         assert np.abs(spots[:, 2]).max() < 0.05
     np.testing.assert_array_equal(afloat(hulls, 1.3), afloat(hulls, 1.3))
     assert (afloat(hulls, 1.3) != afloat(hulls, 2.0)).any()
+
+
+def test_two_thousand_items_are_drawn(build: Callable[..., Recording]) -> None:
+    """MuJoCo draws at most 1,000 materials: items share theirs."""
+    recording = build(np.ones((30, 40), np.bool_), steps=1, items=2000)
+    seen = picture(recording, "overview", 0.0, LARGE)
+    assert close_to(seen, (250, 219, 56), 40) > 50, "yellow drifters"
