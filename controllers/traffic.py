@@ -243,7 +243,7 @@ def plan_fleet(traffic: Traffic) -> None:
     for v in range(n):
         if is_alone(traffic, v):
             go_alone(fleet[v], models[v])
-        elif fleet[v].mode == HOLD or fleet[v].stuck != 0.0:
+        elif fleet[v].mode == HOLD or fleet[v].stuck != 0.0 or fleet[v].rank >= NEVER_S:
             try_plan(
                 traffic, v, plan_of(fleet[v])
             )  # others are checked against these before they plan

@@ -11,10 +11,10 @@ from mjforage.controllers.conflicts import NONE, Traffic, conflict, runs_aground
 from mjforage.controllers.detours import straight_on
 from mjforage.controllers.lee_shore import UNLIMITED
 from mjforage.controllers.legs import REACTION_S, lay_leg
-from mjforage.controllers.prediction import SAMPLE_S, SAMPLES, predict
+from mjforage.controllers.prediction import NEVER_S, SAMPLE_S, SAMPLES, predict
 from mjforage.controllers.safety import limit_speeds
 from mjforage.controllers.state import STATE, VesselState
-from mjforage.controllers.steering import start_decision
+from mjforage.controllers.steering import start_decision, start_transit
 from mjforage.controllers.traffic import plan_fleet, rank_fleet
 from mjforage.controllers.vessel_model import MODEL, ModelRecord, packed
 from mjforage.physics.vessel_models import vessel_model
@@ -108,6 +108,32 @@ def test_who_cannot_pass_alone_is_met_halfway() -> None:
     plan_fleet(now)
     assert now.fleet["via"].all()
     assert now.fleet[0].end_y == -now.fleet[1].end_y < 0.0
+
+
+def test_plans_are_those_of_the_vessels_alone_whatever_was_planned_before() -> None:
+    """Memory for paths is that of all episodes of a batch; 200 crowds, some vessels making room."""
+    random, changed = np.random.default_rng(3), 0
+    for _ in range(200):
+        crowd = []
+        for x, y, yaw, dx, dy in random.uniform(-1.0, 1.0, (6, 5)) * (6.0, 6.0, 3.1, 5.0, 5.0):
+            stays = random.random() < 0.5
+            s = ordered(vessel_at(x, y, yaw), FORAGER, x + dx * (not stays), y + dy * (not stays))
+            if stays and random.random() < 0.7:
+                s.place_x, s.place_y = x + 0.9, y
+                start_transit(s, FORAGER, s.place_x, s.place_y, False)
+            crowd.append(s)
+        plans = []
+        for left in (0.0, 1.0):
+            now = traffic(*crowd)
+            now.paths[:] = left * random.normal(size=now.paths.shape) * (5.0, 5.0, 1.0, 1.0)
+            makes_room = now.fleet["place_x"] != now.fleet["target_x"]
+            now.fleet["rank"][makes_room] = NEVER_S + np.flatnonzero(makes_room)
+            before = now.fleet.copy()
+            plan_fleet(now)
+            changed += int((now.fleet != before).any())
+            plans.append(now.fleet.tobytes())
+        assert plans[0] == plans[1]
+    assert changed > 300
 
 
 def test_who_meets_nobody_goes_straight_on() -> None:

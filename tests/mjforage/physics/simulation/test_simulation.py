@@ -17,6 +17,7 @@ from mjforage.physics.port_drive import (
 from mjforage.physics.scene import build_scene, with_bodies
 from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
 from mjforage.physics.simulation.instability import warnings_suppressed
+from mjforage.physics.simulation.integrators import prepared
 from mjforage.physics.vessels import load_vessel
 
 OTTER = load_vessel("otter")
@@ -58,6 +59,15 @@ def test_the_size_of_the_pool_changes_no_bit(integrator: Integrator) -> None:
         np.testing.assert_array_equal(xy, ends[0][0])
         np.testing.assert_array_equal(pose, ends[0][1])
     assert ends[0][2] > 1 and ends[2][2] == 60
+
+
+@pytest.mark.parametrize("integrator", [*Integrator])
+def test_the_solver_sums_and_stops_alike_with_any_pool(integrator: Integrator) -> None:
+    """Sums of the dense solver do not see bodies that touch nothing; nor does its tolerance."""
+    made = [prepared(with_bodies(PORT, bodies), integrator, 0.02) for bodies in (1, 8, 60)]
+    assert {one.opt.jacobian for one in made} == {mujoco.mjtJacobian.mjJAC_DENSE}
+    inertia = [one.stat.meaninertia * one.nv for one in made]
+    assert inertia == pytest.approx([inertia[0]] * 3, rel=1e-15)
 
 
 def test_parked_items_do_not_move() -> None:
