@@ -1,7 +1,8 @@
 """Hulls of many worlds in MuJoCo Warp: the fast integrator on a GPU, or slowly on a CPU.
 
-Loads and inertia are those of `callback.vessel_motion`, from the same source, in float32. The
-contacts are MuJoCo's. Items, control and sensing are not here.
+Loads and inertia are those of `callback.vessel_motion`, from the same source, in float32. Contacts
+are not those of the CPU: without `callback.contact_rows` a hull stops at the margin of its fender.
+Items, control and sensing are not here.
 """
 
 from typing import Any
