@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import binom
+from scipy.special import bdtr
 
 from mjforage.metrics._checks import FloatArray
 from mjforage.metrics.intervals import LEVEL, Interval, mean_interval
@@ -41,7 +41,7 @@ def median_time(times: ArrayLike) -> Interval:
     found = np.sort(given[~np.isnan(given)])
     n = len(found)
     middle = _between(found[(n - 1) // 2], found[n // 2]) if n else np.nan
-    rank = int(binom.ppf((1.0 - LEVEL) / 2.0, n, 0.5)) if n else 0
+    rank = int(np.searchsorted(bdtr(np.arange(n), n, 0.5), (1.0 - LEVEL) / 2.0))
     low, high = (found[rank - 1], found[n - rank]) if rank else (np.nan, np.nan)
     return Interval(*map(np.asarray, (middle, low, high, n)))
 

@@ -76,7 +76,7 @@ def _without_intake(scenario: Scenario) -> Scenario:
 
 def _without_bodies(scenario: Scenario) -> Scenario:
     calm = _without_intake(scenario)
-    weather = calm.weather if calm.weather.forced else calm.weather.still
+    weather = calm.weather if calm.weather.forced else calm.weather.over_still_water()
     return replace(calm, weather=weather, physics=replace(calm.physics, items="graph"))
 
 

@@ -152,9 +152,8 @@ class Weather:
         """True if wind and current carry items at graph level too."""
         return self.drift == "forced" or (self.drift is None and self.file is not None)
 
-    @property
-    def still(self) -> "Weather":
-        """The same wind over still water."""
+    def over_still_water(self) -> "Weather":
+        """The same wind without a current."""
         return replace(self, current_speed_mps=0.0, current_wander_mps=0.0, circulation_mps=0.0)
 
     @property

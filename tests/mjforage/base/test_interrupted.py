@@ -44,6 +44,7 @@ importlib.import_module = swallowing
 @pytest.mark.parametrize("module", ["gymnasium", "cyclopts", "polars", "numba", "mujoco"])
 def test_while_modules_are_imported(module: str, swallow: str, tmp_path: Path) -> None:
     words = ["evaluate", "--policy", "greedy", "--episodes", "1", "--out", str(tmp_path / "run")]
+    words += ["--world", "physics"]
     program = WHEN_IMPORTING.format(module=module, words=words, swallow=swallow)
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=False
