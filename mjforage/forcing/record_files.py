@@ -22,7 +22,7 @@ from mjforage.scenario.bearings import flow_direction, wind_direction
 FloatArray = NDArray[np.float64]
 LONGEST_S = 3600.0  # between two times
 COLUMNS = "time", "wind_speed_mps", "wind_from_deg", "current_speed_mps", "current_to_deg"
-_MISSING = (99.0, 999.0)
+_MISSING = {"speed": (99.0, 999.0), "direction": (999.0,)}  # NDBC's; 99 degrees is a direction
 _FASTEST = {"wind": 75.0, "current": 10.0}  # [m/s] of what is taken for a speed
 _NDBC = {"YY": "year", "YYYY": "year", "MM": "month", "DD": "day", "hh": "hour", "mm": "minute"}
 
@@ -119,7 +119,8 @@ def seconds_of(text: str, where: str) -> float:
     return when.replace(tzinfo=UTC).timestamp()
 
 
-def _number(text: str, where: str) -> float:
+def _number(text: str, kind: str, where: str) -> float:
+    """A value of a column; NaN where it is missing, by the kind of the column."""
     if text.strip() in ("", "MM", "nan", "NaN"):
         return np.nan
     try:
@@ -128,7 +129,7 @@ def _number(text: str, where: str) -> float:
         value = math.inf
     if not math.isfinite(value):
         raise UserError(f"{where} = {text!r} is no number")
-    return np.nan if abs(value) in _MISSING else value
+    return np.nan if abs(value) in _MISSING[kind] else value
 
 
 def _csv(lines: Sequence[str], name: str) -> Iterator[Row]:
@@ -147,7 +148,8 @@ def _csv(lines: Sequence[str], name: str) -> Iterator[Row]:
             raise UserError(f"{where} has {len(cells)} cells, expected {len(header)}")
         row = dict(zip(header, cells, strict=True))
         time = seconds_of(row.pop("time"), where)
-        yield time, {key: _number(text, f"{where}: {key}") for key, text in row.items()}
+        kinds = {key: "direction" if key.endswith("_deg") else "speed" for key in row}
+        yield time, {key: _number(row[key], kinds[key], f"{where}: {key}") for key in row}
 
 
 def _ndbc(lines: Sequence[str], name: str) -> Iterator[Row]:
@@ -175,8 +177,8 @@ def _ndbc(lines: Sequence[str], name: str) -> Iterator[Row]:
         except ValueError as error:
             raise UserError(f"{where}: {' '.join(cells[: len(clock)])} is no time") from error
         values = {
-            "wind_speed_mps": _number(row["WSPD"], f"{where}: WSPD"),
-            "wind_from_deg": _number(row["WDIR"], f"{where}: WDIR"),
+            "wind_speed_mps": _number(row["WSPD"], "speed", f"{where}: WSPD"),
+            "wind_from_deg": _number(row["WDIR"], "direction", f"{where}: WDIR"),
         }
         rows.append((when.timestamp(), values))
     backwards = len(rows) > 1 and rows[0][0] > rows[-1][0]  # the newest first, as of real time

@@ -222,6 +222,15 @@ KNOTS = {"units": "knots", "standard_name": "wind_speed"}
 FROM = {"units": "degree", "standard_name": "wind_from_direction"}
 
 
+def test_a_missing_speed_is_99_and_a_missing_direction_999(tmp_path: Path) -> None:
+    hours = "".join(f"\n2024-06-01T0{k}:00,{v}" for k, v in enumerate(("5,90", "5,99", "5,98")))
+    found = read(tmp_path, f"{AIR}{hours}\n2024-06-01T03:00,5,999\n2024-06-01T03:00,99,98")
+    assert found.times_s.size == 3 and found.wind is not None
+    assert np.degrees(np.arctan2(-found.wind[1, 0, 0, 0], -found.wind[1, 0, 0, 1])) == (
+        pytest.approx(99.0)
+    )
+
+
 def test_speeds_in_knots_and_bearings_are_converted(tmp_path: Path) -> None:
     times, point = HOURS, np.full(9, 10.0)
     data = xarray.Dataset(
