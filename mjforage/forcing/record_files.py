@@ -71,7 +71,10 @@ def _read(path: Path, _changed: int, _size: int) -> Recorded:
         except UnicodeDecodeError as error:
             raise UserError(f"{name}: is neither NetCDF nor UTF-8 text; give a CSV file") from error
         read = _csv if lines and "," in lines[0] else _ndbc
-        times, parts = _columns(list(read(lines, name)), name)
+        try:
+            times, parts = _columns(list(read(lines, name)), name)
+        except csv.Error as error:
+            raise UserError(f"{name}: is no CSV that can be read ({error})") from error
         latitude = longitude = np.zeros(1)
     if not parts:
         raise UserError(f"{name}: has neither wind nor current; give {', '.join(COLUMNS)}")
@@ -133,14 +136,15 @@ def _number(text: str, kind: str, where: str) -> float:
 
 
 def _csv(lines: Sequence[str], name: str) -> Iterator[Row]:
-    header = [column.strip() for column in lines[0].split(",")]
+    cells_of = csv.reader(lines, strict=True)
+    header = [column.strip() for column in next(cells_of)]
     unknown = [column for column in header if column not in COLUMNS]
     if unknown or "time" not in header or len(set(header)) < len(header):
         raise UserError(
             f"{name}: its columns are {', '.join(header)[:80]}; give time and pairs of "
             f"{', '.join(COLUMNS[1:])}"
         )
-    for number, cells in enumerate(csv.reader(lines[1:]), 2):
+    for number, cells in enumerate(cells_of, 2):
         where = f"{name}: line {number}"
         if not cells:
             continue
@@ -174,7 +178,7 @@ def _ndbc(lines: Sequence[str], name: str) -> Iterator[Row]:
             year = parts.pop("year")
             year += 0 if year > 99 else 1900 if year > 69 else 2000
             when = datetime(year, **parts, tzinfo=UTC)
-        except ValueError as error:
+        except (ValueError, OverflowError) as error:
             raise UserError(f"{where}: {' '.join(cells[: len(clock)])} is no time") from error
         values = {
             "wind_speed_mps": _number(row["WSPD"], "speed", f"{where}: WSPD"),

@@ -1,5 +1,6 @@
 """Records in NetCDF by the names of the CF conventions, and ERA5's where it has none."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ _POLAR = {
 }
 _ERA5 = {"u10": "eastward_wind", "v10": "northward_wind"}
 _ALONG_GRID = "x_wind", "y_wind", "sea_water_x_velocity", "sea_water_y_velocity"
+_ZONE = re.compile(r"[0-9 ](?!UTC|GMT|Z$|T[0-9])[A-Z]{2,5}$")  # a zone by its name
 Parts = tuple[FloatArray, dict[str, FloatArray], FloatArray, FloatArray]
 
 
@@ -46,7 +48,14 @@ def netcdf_parts(path: Path, classic: bool, name: str) -> Parts:
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RuntimeError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise UserError(f"{name}: is no NetCDF file that can be read ({reason})") from error
-    fields = {_standard(str(key), one): one for key, one in data.data_vars.items()}
+    fields: dict[str, Any] = {}
+    for key, one in data.data_vars.items():
+        if (known := _standard(str(key), one)) in fields:
+            raise UserError(
+                f"{name}: has {known} twice, {fields[known].name} and {key}; keep one of them, for "
+                "example with ncks"
+            )
+        fields[known] = one
     if askew := sorted(set(fields) & set(_ALONG_GRID)):
         raise UserError(
             f"{name}: has velocities along the axes of its grid ({', '.join(askew)}); "
@@ -69,6 +78,8 @@ def netcdf_parts(path: Path, classic: bool, name: str) -> Parts:
             for number, bearing in enumerate(_POLAR[part][1]):
                 if bearing in fields:
                     fast = _speed(_regular(fields[speed], name), name)
+                    if (fast < 0.0).any():
+                        raise UserError(f"{name}: {speed} below 0; check its missing values")
                     angle = np.radians(_degrees(_regular(fields[bearing], name), name))
                     sign = -1.0 if (part == "wind") == (number == 0) else 1.0
                     found[part] = sign * fast * np.sin(angle), sign * fast * np.cos(angle)
@@ -77,8 +88,13 @@ def netcdf_parts(path: Path, classic: bool, name: str) -> Parts:
         raise UserError(f"{name}: has neither wind nor current by a CF standard name, but {known}")
     grid = next(iter(found.values()))[0]
     for parts in found.values():
-        if parts[0].dims != grid.dims or parts[0].shape != grid.shape:
+        own = parts[0]
+        alike = own.dims == grid.dims and own.shape == grid.shape
+        if not alike or any((own[axis].values != grid[axis].values).any() for axis in grid.dims):
             raise UserError(f"{name}: wind and current are on different grids; give one of them")
+    since = str(grid[grid.dims[0]].encoding.get("units", ""))
+    if _ZONE.search(since):
+        raise UserError(f"{name}: its time is in {since!r}; give times in UTC")
     times = grid[grid.dims[0]].values
     if not np.issubdtype(times.dtype, np.datetime64):
         raise UserError(f"{name}: its time has no units such as hours since 1900-01-01")

@@ -76,13 +76,13 @@ class _Moment:
             ahead, turn = rates[k, :2] @ _axes(yaw), float(rates[k, 2])
             twist = {"linear": _xyz(*ahead.tolist()), "angular": _xyz(0.0, 0.0, turn)}
             moving = {"header": self.header(), "pose": {"pose": pose}, "twist": {"twist": twist}}
-            yield self.of(f"/{name}/odom", "nav_msgs/Odometry", **moving, **child)
+            yield self.of(f"/{_word(name)}/odom", "nav_msgs/Odometry", **moving, **child)
             placed = {"header": self.header(), "pose": pose}
-            yield self.of(f"/{name}/pose", "geometry_msgs/PoseStamped", **placed)
+            yield self.of(f"/{_word(name)}/pose", "geometry_msgs/PoseStamped", **placed)
             if tracks.latlon is not None:
                 lat, lon = tracks.latlon[self.frame, k].tolist()
                 fix = {"header": self.header(name), "latitude": lat, "longitude": lon}
-                yield self.of(f"/{name}/fix", "sensor_msgs/NavSatFix", **fix)
+                yield self.of(f"/{_word(name)}/fix", "sensor_msgs/NavSatFix", **fix)
         yield self.of("/tf", "tf2_msgs/TFMessage", transforms=transforms)
         there = recording.track_present[self.frame]
         points = [_xyz(x, y) for x, y in recording.track_items[self.frame][there].tolist()]
@@ -109,7 +109,7 @@ class _Moment:
                 words |= {"from": nodes[0, k].tolist(), "to": nodes[1, k].tolist()}
                 if tracks.place:
                     words["to_latlon"] = tracks.place.latlon(nodes[1, k]).round(8).tolist()
-                yield self.of(f"/{name}/decision", "std_msgs/String", data=json.dumps(words))
+                yield self.of(f"/{_word(name)}/decision", "std_msgs/String", data=json.dumps(words))
 
     def _grid(self, topic: str, values: NDArray[np.integer]) -> Message:
         """A grid; its rows count upwards from the south-west corner."""
@@ -144,6 +144,11 @@ class _Moment:
             "frame_locked": True,
             "points": points,
         }
+
+
+def _word(name: str) -> str:
+    """A name as a part of a topic, which ROS 2 allows letters, digits and underscores."""
+    return name.replace("-", "_")
 
 
 def _axes(yaw: float) -> NDArray[np.float64]:

@@ -231,6 +231,13 @@ def test_a_missing_speed_is_99_and_a_missing_direction_999(tmp_path: Path) -> No
     )
 
 
+def test_a_header_in_quotes_is_that_of_other_programs(tmp_path: Path) -> None:
+    lines = STEADY.splitlines()
+    quoted = ",".join(f'"{one.strip()}"' for one in lines[0].split(","))
+    found = read(tmp_path, "\n".join((quoted, *lines[1:])))
+    assert (found.times_s == read(tmp_path, STEADY).times_s).all()
+
+
 def test_speeds_in_knots_and_bearings_are_converted(tmp_path: Path) -> None:
     times, point = HOURS, np.full(9, 10.0)
     data = xarray.Dataset(
@@ -246,6 +253,8 @@ def test_speeds_in_knots_and_bearings_are_converted(tmp_path: Path) -> None:
 ROW, NEXT = "2024-06-01T00:00", "2024-06-01T00:30"
 AIR = "time,wind_speed_mps,wind_from_deg"
 BAD_TEXT = {
+    f"{AIR}\n{ROW},5,{'9' * 140_000}": "is no CSV that can be read",
+    "YY MM DD hh WDIR WSPD\n" + "9" * 20 + " 06 01 00 90 5": "is no time",
     "": "is neither CSV with time and wind_speed_mps nor NDBC's",
     "hello": "is neither CSV",
     "time": "is neither CSV",
@@ -305,6 +314,34 @@ BAD_GRIDS: dict[str, tuple[Callable[[xarray.Dataset], xarray.Dataset], str]] = {
     ),
     "none": (lambda d: named(d, "f0", units=""), "units '' of a speed"),
     "names": (lambda d: d[["f0"]], "has neither wind nor current by a CF standard name, but eastw"),
+    "twice": (
+        lambda d: d.assign(f9=d.f2),
+        "has eastward_wind twice, f2 and f9; keep one",
+    ),
+    "zone": (
+        lambda d: d.assign_coords(
+            time=("time", np.arange(9), {"units": "hours since 2024-06-01 EST"})
+        ),
+        "its time is in 'hours since 2024-06-01 EST'; give times in UTC",
+    ),
+    "elsewhere": (
+        lambda d: d.assign(
+            {
+                k: d[k].assign_coords(latitude=d.latitude + 1).rename(latitude="lat")
+                for k in ("f0", "f1")
+            }
+        ),
+        "wind and current are on different grids",
+    ),
+    "below": (
+        lambda d: xarray.Dataset(
+            {
+                "s": -abs(d.f2).assign_attrs(standard_name="wind_speed", units="m s-1"),
+                "d": (d.f2 * 0).assign_attrs(standard_name="wind_from_direction", units="degree"),
+            }
+        ),
+        "wind_speed below 0; check its missing values",
+    ),
     "askew": (
         lambda d: named(d, "f2", standard_name="x_wind"),
         "along the axes of its grid (x_wind)",

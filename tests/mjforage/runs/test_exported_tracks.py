@@ -267,3 +267,11 @@ def test_a_map_without_a_place(tmp_path: Path) -> None:
 def test_an_unknown_format_names_those_there_are(run: mf.Run, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"format rosbag: unknown; .*mcap"):
         run.export(tmp_path / "bag", "rosbag")
+
+
+def test_topics_have_letters_that_ros_allows(tmp_path: Path) -> None:
+    role = {"count": 1, "moves": 1, "radius": 2.0, "collects": True}
+    port = mf.load_scenario("comb-port", horizon=2, team={"tug-boats": role})
+    with AnyReader([port.export(tmp_path / "bag", "mcap")]) as bag:
+        assert "/tug_boats_0/odom" in bag.topics
+        assert not any("-" in topic for topic in bag.topics)
