@@ -20,8 +20,16 @@ _PAIR = "tuple[float, float]"
 
 @cache
 def warped(formula: Callable[..., object]) -> Any:
-    """The function of Warp for a formula."""
+    """The function of Warp for a formula.
+
+    Raises
+    ------
+    ValueError
+        If it is not of this package: its text is compiled and run.
+    """
     plain = getattr(formula, "py_func", formula)
+    if not plain.__module__.startswith("mjforage."):
+        raise ValueError(f"formula {plain.__module__}.{plain.__name__}: is not one of mjforage")
     (tree,) = ast.parse(inspect.getsource(plain)).body
     assert isinstance(tree, ast.FunctionDef)
     tree = _Plain().visit(tree)

@@ -52,13 +52,24 @@ def test_an_encoding_without_our_letters_is_no_fault(tmp_path: Path) -> None:
 
 
 def test_a_live_stream_tells_its_address_and_ends_by_ctrl_c(folder: Path, tmp_path: Path) -> None:
-    arguments = [*COMMAND.split(), "stream", str(folder), "--port", "0"]
+    heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # if ignored
+    words = ["stream", str(folder), "--port", "0"]
+    program = f"{heeds}\nfrom mjforage.cli import main\nmain({words!r})"
     root = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3]), "PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(
-        arguments, cwd=tmp_path, env=root, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env=root,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     ) as serving:
-        assert serving.stdout is not None and serving.stderr is not None
+        assert serving.stdout is not None
         assert serving.stdout.readline().startswith("stream: ws://127.0.0.1:")
         serving.send_signal(signal.SIGINT)
-        assert "interrupted" in serving.stderr.read()
+        try:
+            _, told = serving.communicate(timeout=120)
+        finally:
+            serving.kill()
+    assert "interrupted" in told
     assert serving.returncode == 130

@@ -150,3 +150,8 @@ def test_what_it_cannot_do_is_one_line(scene: Scene) -> None:
     if not wp.is_cuda_available():
         with pytest.raises(UserError, match="device cuda: there is none here"):
             WarpHulls(scene, device="cuda")
+
+
+def test_a_formula_of_somebody_else_is_not_compiled() -> None:
+    with pytest.raises(ValueError, match="drawn: is not one of mjforage"):
+        warped(drawn)
