@@ -246,10 +246,8 @@ class Forcing:
         place: Place | None = None,
     ) -> "Forcing":
         """That of a scenario; parameters and errors as of `create`."""
-        period_s = scenario.period_s
-        return cls.create(
-            scenario.weather, keys, graph, period_s, place, period_s * scenario.horizon
-        )
+        about = graph, scenario.period_s, place, scenario.period_s * scenario.horizon
+        return cls.create(scenario.weather, keys, *about)
 
     def __post_init__(self) -> None:
         weather, flow = self.weather, self._flow

@@ -9,14 +9,16 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
-from mjforage.forcing.record_files import Recorded, seconds_of
+from mjforage.forcing.record_files import Recorded, read_record, seconds_of
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.scenario.bearings import direction
 from mjforage.scenario.place import Place
+from mjforage.scenario.scenario import Scenario
 
 FloatArray = NDArray[np.float64]
 _DIGITS = 12  # of a place in a grid: the last ones differ from one processor to another
 _START = 1001  # step of a drawn start in its stream, away from the other draws
+_TRIES = 64  # draws of a start from all of the record, before those from what fits alone
 
 
 class Record(NamedTuple):
@@ -61,11 +63,21 @@ def recorded_velocity(
 
 
 @kernel
-def _drawn_starts(keys: UInt64Array, latest_s: float) -> FloatArray:
-    """(episode,) uniform from 0 to the latest start [s]."""
+def _drawn_starts(keys: UInt64Array, whole_s: float, latest_s: float) -> FloatArray:
+    """(episode,) whole seconds, uniform from 0 to the latest start [s].
+
+    Each is the first of draws from all of the record that is not too late, so that another
+    horizon changes only those that would end beyond the record.
+    """
     starts = np.empty(keys.size)
     for e in range(keys.size):
-        starts[e] = latest_s * uniform(stream_key(keys[e], Stream.WEATHER), 0, _START)
+        key = stream_key(keys[e], Stream.WEATHER)
+        starts[e] = math.floor(latest_s * uniform(key, _TRIES, _START))
+        for attempt in range(_TRIES):
+            drawn = math.floor(whole_s * uniform(key, attempt, _START))
+            if drawn <= latest_s:
+                starts[e] = drawn
+                break
     return starts
 
 
@@ -79,7 +91,8 @@ def starts_of(
     UserError
         If the record does not last so long, or not from that start on.
     """
-    latest = recorded.times_s[-1] - recorded.times_s[0] - long_s
+    whole = recorded.times_s[-1] - recorded.times_s[0]
+    latest = whole - long_s
     first, last = (np.datetime64(int(t), "s") for t in recorded.times_s[[0, -1]])
     if latest < 0.0:
         raise UserError(
@@ -87,7 +100,7 @@ def starts_of(
             f"{long_s / 3600:.4g} h; give a longer record, or a smaller horizon"
         )
     if start is None:
-        return _drawn_starts(keys, latest)
+        return _drawn_starts(keys, whole, latest)
     begin = seconds_of(start, "weather.start") - recorded.times_s[0]
     if not 0.0 <= begin <= latest:
         raise UserError(
@@ -95,6 +108,17 @@ def starts_of(
             f"lasts {long_s / 3600:.4g} h; give a start within"
         )
     return np.full(keys.size, begin)
+
+
+def begins_of(scenario: Scenario, keys: UInt64Array) -> FloatArray | None:
+    """(episode,) UTC of the record when each episode begins, since 1970 [s]; None without one."""
+    weather = scenario.weather
+    if weather.file is None:
+        return None
+    recorded = read_record(weather.file)
+    starts = starts_of(recorded, weather.start, keys, scenario.period_s * scenario.horizon)
+    begins: FloatArray = recorded.times_s[0] + starts
+    return begins
 
 
 def on_map(

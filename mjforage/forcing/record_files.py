@@ -122,6 +122,12 @@ def seconds_of(text: str, where: str) -> float:
     return when.replace(tzinfo=UTC).timestamp()
 
 
+def utc(seconds: float, timespec: str = "auto") -> str:
+    """ISO 8601 of seconds since 1970, such as 2024-06-01T08:00:00Z; in no other unit of time."""
+    when = datetime(1970, 1, 1) + timedelta(seconds=seconds)
+    return f"{when.isoformat(timespec=timespec)}Z"
+
+
 def _number(text: str, kind: str, where: str) -> float:
     """A value of a column; NaN where it is missing, by the kind of the column."""
     if text.strip() in ("", "MM", "nan", "NaN"):

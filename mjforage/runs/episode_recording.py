@@ -42,6 +42,9 @@ _AXES = {
     **KNOWLEDGE_AXES,
 }
 """Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
+_OPTIONAL = ("begins_s",)
+"""Names that not every file has."""
+_FAR_S = 4e10  # from 1970 to a date that is none of a record
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,8 @@ class Recording:
     episode: int = 0
     knowledge: KnowledgeRecord | None = None
     """Knowledge of each agent; None where all agents know everything."""
+    begins_s: float | None = None
+    """UTC of its start in the record of its weather, since 1970 [s]; None without a record."""
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -118,15 +123,17 @@ class Recording:
 def _values(file: Any) -> dict[str, Any]:
     """The fields of a recording from an open npz file."""
     names = [one.name for one in fields(Recording) if one.name != "knowledge"]
-    values = {name: file[name] for name in names}
+    values = {name: file[name] for name in names if name in file or name not in _OPTIONAL}
     _check_axes(values | {name: file[name] for name in KNOWLEDGE_AXES if name in file})
     values["knowledge"] = KnowledgeRecord.of(file, values["navigable"].size)
     for kind, words in (
-        (float, ("pitch_m", "period_s", "frame_s")),
+        (float, ("pitch_m", "period_s", "frame_s", "begins_s")),
         (int, ("horizon", "seed", "episode")),
         (str, ("world", "policy")),
     ):
-        values |= {name: kind(values[name]) for name in words}
+        values |= {name: kind(values[name]) for name in words if name in values}
+    if abs(values.get("begins_s", 0.0)) > _FAR_S:
+        raise ValueError(f"begins_s is {values['begins_s']:g}")
     for name in ("team_names", "vessels"):
         values[name] = tuple(str(word) for word in values[name])
     return values

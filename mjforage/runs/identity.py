@@ -32,12 +32,17 @@ from mjforage.scenario.vessel_files import hull_names
 
 
 def pinned(setup: Setup) -> Setup:
-    """The same setup with the starts beside its map written into its scenario.
+    """The same setup with the starts beside its map and all of its record's path in its scenario.
 
-    So that `run.json` alone says what was run, whatever becomes of the map's files.
+    So that `run.json` alone says what was run, whatever becomes of the map's files, and wherever
+    it is read.
     """
+    scenario, weather = setup.scenario, setup.scenario.weather
     choice = replace(setup.scenario.map, starts=setup.start_cells)
-    return replace(setup, scenario=replace(setup.scenario, map=choice))
+    if weather.file is not None:
+        read_record(weather.file)  # which tells what is no path
+        weather = replace(weather, file=str(Path(weather.file).resolve()))
+    return replace(setup, scenario=replace(scenario, map=choice, weather=weather))
 
 
 def outside_code_of(policies: Iterable[str], classes: Iterable[Callable[..., Any]] = ()) -> Code:

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.forcing.record import begins_of
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.item_classes import draw_classes
 from mjforage.mission.mission import Mission, Observer
@@ -71,6 +72,7 @@ def record(
     else:
         mission.run(create_policy(policy), observers)
     choice, frames = setup.scenario.physics, trajectory.frames
+    begins = begins_of(setup.scenario, mission.keys)
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Recording(
         navigable=setup.grid.navigable,
@@ -99,4 +101,5 @@ def record(
         episode=episode,
         t_discovered=mission.ledger.t_discovered[0],
         knowledge=by_agent.record(mission) if by_agent else None,
+        begins_s=None if begins is None else begins[0].item(),
     )

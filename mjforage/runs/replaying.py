@@ -8,6 +8,7 @@ import polars as pl
 
 from mjforage.base.errors import UserError
 from mjforage.base.registry import ImportSpec
+from mjforage.forcing.record_files import read_record
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.policies.registry import (
     add_policy,
@@ -82,7 +83,23 @@ def _setup(run: RunInfo, policy: str, where: str) -> Setup:
     scenario = scenario_from_tree(dict(run.scenario), where)
     setup = Setup(scenario, run.map.grid)
     check_starts(setup.start_cells, run.map.cells, where, run.map.name)
+    if (file := scenario.weather.file) is not None:
+        _check_record(file, run.map.record)
     return setup
+
+
+def _check_record(file: str, sha256: str) -> None:
+    """Refuse a record that is not where it was, or is another; raises `UserError`."""
+    if not Path(file).is_file():
+        raise UserError(
+            f"record {file}: is not there; put back the file that the run played, of SHA-256 "
+            f"{sha256}"
+        )
+    if (found := read_record(file).sha256) != sha256:
+        raise UserError(
+            f"record {file}: has changed; put back the file that the run played, of SHA-256 "
+            f"{sha256}, not {found}"
+        )
 
 
 def as_logged(recording: Recording, run: RunFolder) -> bool:

@@ -52,10 +52,17 @@ def differences(
     """
     here = json.loads(json.dumps(here))
     return [
-        Difference(key, words)
+        Difference(key, _by_file(words, here))
         for key in keys
         for words in _words(_compared(there, key), _compared(here, key), (key,))
     ]
+
+
+def _by_file(words: str, here: Mapping[str, Any]) -> str:
+    """Words on a difference; a record of the weather is named by its file, not by its key."""
+    if not words.startswith("map.record "):
+        return words
+    return words.replace("map.record", f"record {here['scenario']['weather']['file']}", 1)
 
 
 def _compared(info: Mapping[str, Any], key: str) -> Any:

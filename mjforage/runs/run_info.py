@@ -57,6 +57,8 @@ class MapInfo:
 
     place: Place | None = None
     """Place on the globe; absent of a map that is no place."""
+    record: str = ""
+    """SHA-256 of the file of `weather.file`; absent without one."""
 
     @property
     def grid(self) -> GridMap:

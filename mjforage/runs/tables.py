@@ -8,6 +8,8 @@ import polars as pl
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
+from mjforage.forcing.record import begins_of
+from mjforage.forcing.record_files import utc
 from mjforage.mission.dynamics import OUTCOMES
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.scoring import Scores
@@ -44,6 +46,9 @@ ON_A_PLACE: dict[str, dict[str, type[pl.DataType]]] = {
     "agents": dict.fromkeys(("lat_deg", "lon_deg"), pl.Float64),
 }
 """Table -> columns that it has besides where the map is a place."""
+WITH_A_RECORD: dict[str, dict[str, type[pl.DataType]]] = {"episodes": {"record_start": pl.String}}
+"""The same where the weather is recorded."""
+_SOMETIMES = ON_A_PLACE | WITH_A_RECORD
 METRIC_COLUMNS: dict[str, type[pl.DataType]] = {"episodes": pl.Float64, "steps": pl.Float32}
 """Table -> type of its columns of metrics: those that the run was made with, whichever they are."""
 
@@ -53,8 +58,8 @@ def _frame(table: str, world: str, policy: str, columns: Columns) -> pl.DataFram
         world=pl.lit(world, pl.String), policy=pl.lit(policy, pl.String)
     )
     schema = dict(SCHEMAS[table])
-    if ON_A_PLACE.get(table, {}).keys() & set(frame.columns):
-        schema |= ON_A_PLACE[table]
+    if _SOMETIMES.get(table, {}).keys() & set(frame.columns):
+        schema |= _SOMETIMES[table]
     if table in METRIC_COLUMNS:
         schema = schema | dict.fromkeys(metric_columns(frame, table), METRIC_COLUMNS[table])
     return frame.select(pl.col(name).cast(kind) for name, kind in schema.items())
@@ -62,11 +67,17 @@ def _frame(table: str, world: str, policy: str, columns: Columns) -> pl.DataFram
 
 def metric_columns(frame: pl.DataFrame, table: str = "episodes") -> list[str]:
     """Columns of metrics that a table has, in its order."""
-    return [name for name in frame.columns if name not in SCHEMAS[table]]
+    others = SCHEMAS[table] | _SOMETIMES.get(table, {})
+    return [name for name in frame.columns if name not in others]
 
 
-def _episodes(episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores) -> Columns:
+def _episodes(
+    setup: Setup, episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores
+) -> Columns:
     columns: Columns = {"episode": episodes, "items": log.n_items}
+    begins = begins_of(setup.scenario, log.keys)
+    if begins is not None:
+        columns["record_start"] = pl.Series([utc(seconds) for seconds in begins])
     return columns | scores.scalars
 
 
@@ -162,7 +173,7 @@ def frames(
     log, scores : the batch
     """
     columns: dict[str, Columns] = {
-        "episodes": _episodes(episodes, log, scores),
+        "episodes": _episodes(setup, episodes, log, scores),
         "steps": _steps(setup, world, episodes, log, scores),
         "items": _items(episodes, log, setup.grid.place),
         "agents": _agents(episodes, log, setup),
@@ -186,7 +197,7 @@ def check_table(path: Path, table: str, remedy: str = "") -> None:
     """
     schema = read_schema(path, remedy)
     wrong = {name for name, kind in SCHEMAS[table].items() if schema.get(name) != kind}
-    metrics, known = METRIC_COLUMNS.get(table), ON_A_PLACE.get(table, {})
+    metrics, known = METRIC_COLUMNS.get(table), _SOMETIMES.get(table, {})
     more = set(schema) - set(SCHEMAS[table])
     wrong |= {name for name in more if schema[name] not in (metrics, known.get(name))}
     if wrong:

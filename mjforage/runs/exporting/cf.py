@@ -3,9 +3,10 @@
 import numpy as np
 
 from mjforage.base.extras import require
+from mjforage.forcing.record_files import utc
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.exporting.tracks import START, Tracks
+from mjforage.runs.exporting.tracks import Tracks
 
 
 def netcdf_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
@@ -23,8 +24,9 @@ def netcdf_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
     items[:, vessels:] = tracks.discovered_s, tracks.collected_s
     kind = (np.arange(len(there)) >= vessels).astype(np.int8)
     x, y = np.where(there, tracks.xy_m.T, np.nan)
+    since = f"seconds since {utc(tracks.begins_s)[:-1].replace('T', ' ')}"
     coordinates = {
-        "time": (both, np.where(there, tracks.t_s, np.nan), _TIME),
+        "time": (both, np.where(there, tracks.t_s, np.nan), _TIME | {"units": since}),
         "x": (both, x, {"units": "m", "long_name": f"distance right along a row {_FROM}"}),
         "y": (both, y, {"units": "m", "long_name": f"distance up along a column {_FROM}"}),
     }
@@ -60,7 +62,6 @@ _TIME = {
     "standard_name": "time",
     "long_name": "time",
     "axis": "T",
-    "units": f"seconds since {START:%Y-%m-%d %H:%M:%S}",
     "calendar": "standard",
 }
 _LATITUDE, _LONGITUDE = (

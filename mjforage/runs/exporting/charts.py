@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.exporting.tracks import Tracks, stamps
+from mjforage.runs.exporting.tracks import Tracks
 
 _HOME, _WAYPOINT = (0, 16), (3, 16)
 """Frame and command of a mission's first line and of its others: MAV_FRAME_GLOBAL,
@@ -25,10 +25,10 @@ def csv_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
 
 
 def vessel_rows(tracks: Tracks) -> pl.DataFrame:
-    """t_s, vessel, x_m, y_m, yaw_rad, and of a place lat_deg, lon_deg, heading_deg."""
+    """t_s, vessel, x_m, y_m, yaw_rad; of a place lat_deg, lon_deg, heading_deg; utc if known."""
     pose, count = tracks.recording.track_pose, tracks.vessels
     columns: dict[str, Any] = {
-        "t_s": tracks.t_s.repeat(count),
+        **_times(tracks, tracks.t_s.repeat(count)),
         "vessel": [*tracks.recording.labels] * len(pose),
         **{name: pose[..., k].ravel() for k, name in enumerate(("x_m", "y_m", "yaw_rad"))},
     }
@@ -43,7 +43,8 @@ def item_rows(tracks: Tracks) -> pl.DataFrame:
     frame = tracks.decisions
     step, item = np.nonzero(tracks.recording.track_present[frame])
     xy = tracks.recording.track_items[frame][step, item]
-    columns = {"t_s": tracks.t_s[frame][step], "item": item, "x_m": xy[:, 0], "y_m": xy[:, 1]}
+    columns = _times(tracks, tracks.t_s[frame][step])
+    columns |= {"item": item, "x_m": xy[:, 0], "y_m": xy[:, 1]}
     if tracks.latlon is not None:
         columns |= _degrees(tracks.latlon[frame, tracks.vessels :][step, item])
     return pl.DataFrame(columns)
@@ -69,7 +70,8 @@ def geojson_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
         else:
             frames = tracks.decisions[tracks.present[tracks.decisions, k]]
             (found,), (taken,) = (
-                stamps(one[item : item + 1]) for one in (tracks.discovered_s, tracks.collected_s)
+                tracks.stamps(one[item : item + 1])
+                for one in (tracks.discovered_s, tracks.collected_s)
             )
             properties |= {"kind": "item", "discovered": found, "collected": taken}
         if len(frames):
@@ -87,7 +89,7 @@ def _line(
     shape = ("LineString", points) if len(points) > 1 else ("Point", points[0])
     return {
         "type": "Feature",
-        "properties": properties | {"coordTimes": stamps(tracks.t_s[frames])},
+        "properties": properties | {"coordTimes": tracks.stamps(tracks.t_s[frames])},
         "geometry": dict(zip(("type", "coordinates"), shape, strict=True)),
     }
 
@@ -111,7 +113,7 @@ def gpx_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
             _point(route, "rtept", latlon)
     for k, name in enumerate(recording.labels):
         segment = ElementTree.SubElement(_named(gpx, "trk", name), "trkseg")
-        for latlon, stamp in zip(tracks.latlon[:, k], stamps(tracks.t_s), strict=True):
+        for latlon, stamp in zip(tracks.latlon[:, k], tracks.stamps(tracks.t_s), strict=True):
             ElementTree.SubElement(_point(segment, "trkpt", latlon), "time").text = stamp
     ElementTree.indent(gpx)
     text = ElementTree.tostring(gpx, encoding="utf-8", xml_declaration=True)
@@ -157,6 +159,12 @@ def _waypoints(tracks: Tracks, vessel: int) -> NDArray[np.float64]:
     nodes = np.rint(tracks.recording.agent_rc[:, vessel].astype(np.float64))
     moved = np.r_[True, (np.diff(nodes, axis=0) != 0).any(axis=1)]
     return place.latlon(nodes[moved])
+
+
+def _times(tracks: Tracks, t_s: NDArray[np.float64]) -> dict[str, Any]:
+    """Times from the start, and utc of an episode that plays a record."""
+    known = tracks.recording.begins_s is not None
+    return {"t_s": t_s} | ({"utc": tracks.stamps(t_s)} if known else {})
 
 
 def _degrees(latlon: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mjforage.base.extras import require
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
-from mjforage.runs.exporting.tracks import START, Tracks
+from mjforage.runs.exporting.tracks import Tracks
 
 BAG = "episode.mcap"
 _FRAME = "map"
@@ -50,9 +50,8 @@ class _Moment:
     """Messages of one frame."""
 
     def __init__(self, tracks: Tracks, frame: int) -> None:
-        since = round(tracks.t_s[frame] * 1e9)
         self.tracks, self.frame = tracks, frame
-        self.time_ns = round(START.timestamp()) * 10**9 + since
+        self.time_ns = round(tracks.begins_s * 1e3) * 10**6 + round(tracks.t_s[frame] * 1e9)
 
     def of(self, topic: str, kind: str, **content: Any) -> Message:
         """A message of this moment."""

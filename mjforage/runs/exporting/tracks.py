@@ -2,21 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
+from mjforage.forcing.record_files import utc
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import fleet_vessels
 from mjforage.physics.vessels import Vessel
 from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.place import Place
-
-START = datetime(1970, 1, 1, tzinfo=UTC)
-"""Time of an episode's start in formats that cannot do without a date: none is known."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +62,15 @@ class Tracks:
     def t_s(self) -> NDArray[np.float64]:
         """(frame,) times from the start [s]."""
         return np.arange(len(self.recording.track_pose), dtype=np.float64) * self.recording.frame_s
+
+    @property
+    def begins_s(self) -> float:
+        """UTC of the start since 1970 [s]; 0 of an episode that plays no record: it has no date."""
+        return self.recording.begins_s or 0.0
+
+    def stamps(self, t_s: Sequence[float] | NDArray[np.float64]) -> list[str | None]:
+        """Times from the start as ISO 8601; None for NaN."""
+        return [None if np.isnan(t) else utc(self.begins_s + t, "milliseconds") for t in t_s]
 
     @cached_property
     def decisions(self) -> NDArray[np.int64]:
@@ -117,13 +123,3 @@ class Tracks:
         """(item,) times at which each was discovered [s]; NaN if never."""
         steps = self.recording.t_discovered.astype(np.float64)
         return np.where(steps < 0, np.nan, steps * self.recording.period_s)
-
-
-def stamps(t_s: Sequence[float] | NDArray[np.float64]) -> list[str | None]:
-    """Times from the start as ISO 8601; None for NaN."""
-    return [None if np.isnan(t) else _stamp(float(t)) for t in t_s]
-
-
-def _stamp(t_s: float) -> str:
-    words = (START + timedelta(seconds=t_s)).isoformat(timespec="milliseconds")
-    return words.replace("+00:00", "Z")

@@ -17,6 +17,7 @@ from mjforage.runs.episode_recording import Recording
 from mjforage.runs.parquet import collected, count_rows, read_schema, scan_parquet
 from mjforage.runs.run_info import AGAIN, REMEDY, RunInfo, load_run, read_json
 from mjforage.runs.selection import recording_files
+from mjforage.runs.tables import WITH_A_RECORD
 from mjforage.view.page import style
 from mjforage.view.page.table import Number
 from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_means
@@ -274,7 +275,8 @@ def load_episodes(folder: Path, run: RunInfo) -> pl.DataFrame:
         If the table is missing, truncated, foreign or incomplete.
     """
     path = folder / "episodes.parquet"
-    columns = tuple(dict.fromkeys((*KEYS, "items", *read_schema(path, REMEDY))))
+    known = dict.fromkeys((*KEYS, "items", *read_schema(path, REMEDY)))
+    columns = tuple(name for name in known if name not in WITH_A_RECORD["episodes"])
     episodes = numbers(path, scan_parquet(path, columns, REMEDY))
     _check_rows(path, run, run.episodes)
     return collected(path, episodes, REMEDY)

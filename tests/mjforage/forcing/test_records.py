@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.forcing import Forcing
+from mjforage.forcing.record import starts_of
 from mjforage.forcing.record_files import Recorded, read_record
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.policies import create_policy
@@ -27,7 +28,7 @@ FloatArray = NDArray[np.float64]
 HOURS = np.datetime64("2024-06-01T00:00", "ns") + np.arange(9) * np.timedelta64(1, "h")
 HEADER = "time,wind_speed_mps,wind_from_deg,current_speed_mps,current_to_deg"
 STEADY = "\n".join([HEADER, *(f"2024-06-01T0{h}:00,6,270,0.2,30" for h in range(9))])
-KEYS = episode_keys(0, np.arange(3))
+KEYS, EPISODES = episode_keys(0, np.arange(3)), np.arange(1000)
 PLACE = Place(38.97, -76.48, 4.0, 61, 61, rotation_deg=20.0)
 SEA = navigation_graph(np.ones((61, 61), np.bool_), 4.0, False)
 
@@ -207,6 +208,19 @@ def test_a_record_begins_where_it_is_told_or_where_its_episode_draws(tmp_path: P
     assert (alone.open_water(0.0).wind[0] == drawn.open_water(0.0).wind[2]).all()
     low = Forcing.create(Weather(file=file, start="2024-06-01T04:00", height_m=2.5), KEYS, SEA)
     assert low.open_water(0.0).wind[0, 0] == pytest.approx(4.0 * 0.25**0.14)
+
+
+def test_another_horizon_moves_no_start_that_still_fits() -> None:
+    """And starts are whole seconds, of which each that fits is as likely."""
+    hours, keys = np.linspace(0.0, 86400.0, 25), episode_keys(3, EPISODES)
+    day = Recorded("day", "", hours, None, None, np.zeros(1), np.zeros(1))
+    short, longer = (starts_of(day, None, keys, long_s) for long_s in (1500.0, 7 * 3600.0))
+    fits = short <= 17 * 3600.0
+    assert 0.6 < fits.mean() < 0.85 and (short[fits] == longer[fits]).all()
+    assert longer.max() <= 17 * 3600.0 and (longer == np.floor(longer)).all()
+    shares = np.histogram(longer, 4, (0.0, 17 * 3600.0))[0] / EPISODES.size
+    np.testing.assert_allclose(shares, 0.25, atol=0.05)
+    assert not starts_of(day, None, keys, 86400.0).any()
 
 
 def test_the_record_is_part_of_the_run_s_identity(tmp_path: Path) -> None:
