@@ -1,16 +1,18 @@
-"""Getting off: a vessel that quays hold although it wants to go leaves them straight, first.
+"""Getting off: a vessel that is held although it wants to go leaves straight, first.
 
 Each rule for a lee shore looks at one quay. In a corner of two, or at the head of a pier, what one
 of them asks for another forbids, and the vessel swings to and fro where it is. After a while it
-chooses the course on which its hull has most room, ahead or astern, and keeps to that.
+chooses the course on which its hull has most room, ahead or astern, and keeps to that. Room is up
+to quays and to other vessels, where they are.
 """
 
 import math
 
 from mjforage.base.compiled import kernel
+from mjforage.controllers.boxes import box_gap
 from mjforage.controllers.chart import LandArray, quay_gap
-from mjforage.controllers.state import TRANSIT, VesselState
-from mjforage.controllers.vessel_model import ModelRecord
+from mjforage.controllers.state import TRANSIT, FleetArray, VesselState
+from mjforage.controllers.vessel_model import ModelArray, ModelRecord
 
 HELD_M, HELD_S = 0.6, 10.0  # not farther from where it was for so long, and leaning: held
 PICKING_S = 20.0  # the same with an item to pick up, which has ways of its own to begin anew
@@ -19,34 +21,59 @@ OFF_M, OFF_S = 2.5, 10.0  # it goes so far, but no longer than that
 OFF_MPS = 0.5
 TURNS = 4  # courses tried to either side,
 TURN_RAD = 0.2  # so far apart
+TOUCHING_M = 0.2  # a gap to one that gets off below which a vessel is in its way
 ROOM_PER_RAD = 0.8  # room that a turn has to gain [m/rad]
 MOST_ROOM_M = 1.0  # more room does not count
 LOOKS, LOOK_M = 4, 0.5  # places along a course at which the room is looked at, and their distance
 
 
 @kernel
-def room_along(
-    s: VesselState, p: ModelRecord, land: LandArray, pitch: float, heading: float, way: float
+def gap_to(
+    x: float, y: float, c: float, t: float, p: ModelRecord, other: VesselState, model: ModelRecord
 ) -> float:
-    """Least gap [m] to quays of a vessel that goes ahead (`way` 1) or astern (-1) at a heading."""
-    c, t = math.cos(heading), math.sin(heading)
-    least = MOST_ROOM_M
+    """Gap [m] to another vessel of one at (x, y) [m], at a heading of cosine `c`, sine `t`."""
+    dx, dy, co, to = other.x - x, other.y - y, math.cos(other.yaw), math.sin(other.yaw)
+    half_length, half_beam = 0.5 * p.length_m, 0.5 * p.beam_m
+    long, wide = 0.5 * model.length_m, 0.5 * model.beam_m
+    return box_gap(dx, dy, c, t, half_length, half_beam, co, to, long, wide)
+
+
+@kernel
+def room_along(
+    fleet: FleetArray,
+    models: ModelArray,
+    land: LandArray,
+    pitch: float,
+    i: int,
+    heading: float,
+    way: float,
+) -> float:
+    """Least gap [m] of vessel `i` that goes ahead (`way` 1) or astern (-1) at a heading.
+
+    To quays and to the other vessels (vessel,) of its episode, at rest where they are.
+    """
+    c, t, p, least = math.cos(heading), math.sin(heading), models[i], MOST_ROOM_M
     for k in range(1, LOOKS + 1):
-        x, y = s.x + way * k * LOOK_M * c, s.y + way * k * LOOK_M * t
-        half_length, half_beam = 0.5 * p.length_m, 0.5 * p.beam_m
-        gap = quay_gap(land, pitch, x, y, c, t, half_length, half_beam, MOST_ROOM_M)
+        x, y = fleet[i].x + way * k * LOOK_M * c, fleet[i].y + way * k * LOOK_M * t
+        gap = quay_gap(land, pitch, x, y, c, t, 0.5 * p.length_m, 0.5 * p.beam_m, MOST_ROOM_M)
         least = min(least, gap)
+        for j in range(models.shape[0]):
+            if j != i:
+                least = min(least, gap_to(x, y, c, t, p, fleet[j], models[j]))
     return least
 
 
 @kernel
-def choose_way_off(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> None:
-    """Begin to get off on the course that has most room for the turn that it takes."""
-    best = -math.inf
+def choose_way_off(
+    fleet: FleetArray, models: ModelArray, land: LandArray, pitch: float, i: int
+) -> None:
+    """Let vessel `i` get off on the course that has most room for the turn that it takes."""
+    s, best = fleet[i], -math.inf
     for k in range(-TURNS, TURNS + 1):
         for way in (1.0, -1.0):
             heading = s.yaw + k * TURN_RAD
-            room = room_along(s, p, land, pitch, heading, way) - ROOM_PER_RAD * abs(k) * TURN_RAD
+            room = room_along(fleet, models, land, pitch, i, heading, way)
+            room -= ROOM_PER_RAD * abs(k) * TURN_RAD
             if room > best:
                 best, s.off_heading, s.off_way = room, heading, way
     s.off_s = OFF_S
@@ -64,17 +91,34 @@ def patience(s: VesselState) -> float:
 
 
 @kernel
-def note_held(s: VesselState, p: ModelRecord, land: LandArray, pitch: float, step_s: float) -> None:
-    """Count for how long quays or vessels have held a vessel, and let it get off in time."""
+def is_in_the_way(fleet: FleetArray, models: ModelArray, i: int) -> bool:
+    """True if another vessel that gets off touches vessel `i`, or nearly."""
+    s, c, t = fleet[i], math.cos(fleet[i].yaw), math.sin(fleet[i].yaw)
+    for j in range(models.shape[0]):
+        near = j != i and fleet[j].off_s > 0.0
+        if near and gap_to(s.x, s.y, c, t, models[i], fleet[j], models[j]) < TOUCHING_M:
+            return True
+    return False
+
+
+@kernel
+def note_held(
+    fleet: FleetArray, models: ModelArray, land: LandArray, pitch: float, i: int, step_s: float
+) -> None:
+    """Count for how long quays or vessels have held vessel `i`, and let it get off in time."""
+    s = fleet[i]
     far = math.sqrt((s.x - s.was_x) ** 2 + (s.y - s.was_y) ** 2)
     if s.off_s > 0.0 and far < OFF_M:
         s.off_s = max(s.off_s - step_s, 0.0)
         if s.off_s > 0.0:
             return
-    elif far < HELD_M and s.wait <= s.clock:
+    elif far < HELD_M and (s.wait <= s.clock or s.stuck != 0.0):
         s.held_s += step_s if s.in_contact != 0.0 or s.held_s > 0.0 else 0.0
-        if s.held_s >= patience(s):
+        most = patience(s)
+        if s.held_s >= HELD_S and most > HELD_S and is_in_the_way(fleet, models, i):
+            most = HELD_S
+        if s.held_s >= most:
             s.held_s = 0.0
-            choose_way_off(s, p, land, pitch)
+            choose_way_off(fleet, models, land, pitch, i)
         return
     s.was_x, s.was_y, s.held_s, s.off_s = s.x, s.y, 0.0, 0.0

@@ -69,7 +69,7 @@ def _steer_fleet(fleets: FleetArrays, e: int, step_s: float, commands: FloatArra
     for v in range(models.shape[0]):
         note_quays(fleet[v], models[v], fleets.land, fleets.pitch)
         limit_speeds(fleet, models, fleets.land, fleets.pitch, v)
-        note_held(fleet[v], models[v], fleets.land, fleets.pitch, step_s)
+        note_held(fleet, models, fleets.land, fleets.pitch, v, step_s)
         port, starboard = steer(fleet[v], models[v], room, step_s)
         commands[e, v, 0], commands[e, v, 1] = port, starboard
 

@@ -78,7 +78,8 @@ def limit_by(
             away = clearance_to(
                 state, models, land, pitch, i, other, way, side * STEP_M, turned, reach
             )
-            past = PAST_QUAY_MPS if other == QUAYS else PAST_VESSEL_MPS
+            slow = other != QUAYS and s.off_s == 0.0
+            past = PAST_VESSEL_MPS if slow else PAST_QUAY_MPS
             most = UNLIMITED if away > gap + SLACK_M else past
         else:
             most = stopping_speed(share * free, brake, reaction)
@@ -139,5 +140,6 @@ def limit_speeds(
             continue
         if limit_going(state, models, land, pitch, i, j, reach) < NEAR_M:
             heed_vessel(s, p, state[j], models[j])
-        heed_lee_vessel(s, p, state[j], models[j])
+        if s.off_s == 0.0:
+            heed_lee_vessel(s, p, state[j], models[j])
     settle(s)
