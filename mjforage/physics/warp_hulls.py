@@ -1,8 +1,7 @@
 """Hulls of many worlds in MuJoCo Warp: the fast integrator on a GPU, or slowly on a CPU.
 
-Loads and inertia are those of `callback.vessel_motion`, from the same source, in float32. Contacts
-are not those of the CPU: without `callback.contact_rows` a hull stops at the margin of its fender.
-Items, control and sensing are not here.
+Loads and inertia are those of `callback.vessel_motion`, contacts those of `callback.contact_rows`,
+from the same source, in float32. Items, control and sensing are not here.
 """
 
 from typing import Any
@@ -11,6 +10,7 @@ import mujoco
 import mujoco_warp
 import numpy as np
 import warp as wp
+from mujoco_warp import DisableBit
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
@@ -20,9 +20,13 @@ from mjforage.physics.callback.model_layout import VESSEL_DOFS
 from mjforage.physics.hydrodynamics.parameters import VesselParameters, pack
 from mjforage.physics.scene import Scene
 from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
+from mjforage.physics.warp_contacts import ContactRows, check_room
 
 Parameters = struct_of(VesselParameters)
 Surroundings = struct_of(vessel_motion.Surroundings)
+CONTACTS = 16  # room for each vessel of a world: four corners at as many quays
+_PLAIN = DisableBit.NATIVECCD | DisableBit.WARMSTART
+"""Boxes meet as on the CPU, and a step hangs on nothing but the state that it begins with."""
 _inertia, _averaged_load = warped(vessel_motion.inertia), warped(vessel_motion.averaged_load)
 
 
@@ -76,7 +80,7 @@ class WarpHulls:
         *,
         step_s: float = 0.1,
         device: str = "cpu",
-        contacts: int = 16,
+        contacts: int = 0,
     ) -> None:
         """Set up worlds.
 
@@ -85,7 +89,7 @@ class WarpHulls:
         scene : of `build_scene`, with no bodies for items
         step_s : time step [s]
         device : "cpu" or "cuda", as Warp names it
-        contacts : of a world, at most
+        contacts : of a world, at most; by default `CONTACTS` for each vessel
 
         Raises
         ------
@@ -97,12 +101,15 @@ class WarpHulls:
         if device != "cpu" and not wp.is_cuda_available():
             raise UserError(f"device {device}: there is none here; give cpu")
         self._shift_s, self._vessels = half_step_s(Integrator.FAST, step_s), len(scene.vessels)
+        self._room = contacts or CONTACTS * self._vessels
         model = prepared(scene, Integrator.FAST, step_s)
         apart = mujoco.MjData(model)
         apart.qpos[::VESSEL_DOFS] = 1e3 * np.arange(self._vessels)  # no contacts to begin with
         with wp.ScopedDevice(device):
             self._model = mujoco_warp.put_model(model)
-            rooms = {"nworld": worlds, "nconmax": contacts, "njmax": 4 * contacts}
+            self._model.opt.warn_overflow = 0  # `check_room` tells
+            self._model.opt.disableflags |= _PLAIN
+            rooms = {"nworld": worlds, "nconmax": self._room, "njmax": 3 * self._room}
             self._data = mujoco_warp.put_data(model, apart, **rooms)
             given = [_given(pack(vessel)) for vessel in scene.vessels]
             self._parameters: Any = wp.array(given, dtype=Parameters)
@@ -111,6 +118,7 @@ class WarpHulls:
             calm["port_left"] = calm["starboard_left"] = 1.0
             self._around: Any = wp.array(calm, dtype=Surroundings)
         self._step_s, self._device = step_s, device
+        self._rows = ContactRows(model)
         self._model.callback.passive = self._load
         self.place_vessels(np.zeros((worlds, self._vessels, VESSEL_DOFS)))
 
@@ -119,6 +127,7 @@ class WarpHulls:
         inputs = [self._parameters, self._row, self._around, self._step_s]
         inputs += [data.qpos, data.qvel, data.act, data.ctrl, data.qfrc_passive, data.M]
         wp.launch(_add_loads, self._around.shape, inputs, device=self._device)
+        self._rows.prepare(data)
 
     def place_vessels(self, pose: NDArray[np.float64]) -> None:
         """Put vessels (world, vessel, 3) somewhere, at rest: x, y [m], yaw [rad] of midships."""
@@ -138,15 +147,28 @@ class WarpHulls:
         self._around.assign(around)
 
     def step(self, steps: int = 1) -> None:
-        """Advance all worlds."""
+        """Advance all worlds.
+
+        Raises
+        ------
+        UserError
+            If there is no room for all contacts.
+        """
         with wp.ScopedDevice(self._device):
             for _ in range(steps):
                 mujoco_warp.step(self._model, self._data)
+        check_room(self._data, self._room)
+
+    @property
+    def force(self) -> NDArray[np.float32]:
+        """(world, dof) of contacts in the last step, world axes [N], [N m]; a copy."""
+        force: NDArray[np.float32] = self._data.qfrc_constraint.numpy()
+        return force.copy()
 
     @property
     def vessel_velocity(self) -> NDArray[np.float32]:
         """(world, vessel, 3) over ground, world axes [m/s], yaw rate [rad/s]; a copy."""
-        flat: NDArray[np.float32] = self._data.qvel.numpy()
+        flat: NDArray[np.float32] = self._data.qvel.numpy().copy()
         return flat.reshape(len(flat), self._vessels, VESSEL_DOFS)
 
     @property

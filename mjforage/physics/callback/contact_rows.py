@@ -9,7 +9,7 @@ Potra 2002, IJNME 55:753-784). Rows without margin, of the reference integrator 
 
 from typing import Final
 
-from mjforage.base.compiled import kernel
+from mjforage.base.compiled import inlined, kernel
 from mjforage.physics.hydrodynamics.parameters import Float64Array
 
 OUT_M: Final = 0.001  # deepest gap that one step closes: who starts deeper is not shot out
@@ -19,6 +19,12 @@ SLIDING_PER_S: Final = 1.0
 MuJoCo's friction is convex: it lifts a sliding hull by friction x this rate x speed x h^2, which is
 6 mm at 2 m/s. With b as the rate it would be a decimetre.
 """
+
+
+@inlined
+def closing_margin(gap: float) -> float:
+    """Margin [m] of a row with one: what is left of the gap is closed by the end of the step."""
+    return min(gap + OUT_M, 0.0)
 
 
 @kernel
@@ -32,6 +38,6 @@ def prepare_rows(gap: Float64Array, margin: Float64Array, response: Float64Array
     """
     for i in range(margin.size):
         if margin[i] > 0.0:
-            margin[i] = min(gap[i] + OUT_M, 0.0)
+            margin[i] = closing_margin(gap[i])
         if response[4 * i] == 0.0:
             response[4 * i + 1] = SLIDING_PER_S
