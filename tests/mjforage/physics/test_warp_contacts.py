@@ -18,6 +18,7 @@ TRIALS: dict[str, tuple[float, list[tuple[float, float, float]]]] = {
     # share of the thrust ahead; x, y [m], heading [deg] of each vessel
     "push": (0.3, [(HIGH - 3, 10.0 * k, 0.0) for k in range(4)]),
     "ram": (1.0, [(HIGH - 12, 10.0 * k, 0.0) for k in range(4)]),
+    "deep": (0.3, [(HIGH - 0.6, 10.0 * k, 0.0) for k in range(4)]),
     "corner": (
         1.0,
         [
@@ -77,7 +78,7 @@ def test_hulls_meet_as_on_the_cpu(scene: Scene) -> None:
         touched |= force.any(axis=1)
     assert touched.all()
     found, wanted = (np.linalg.norm(f.reshape(-1, 3)[:, :2], axis=1) for f in (hulls.force, force))
-    assert (wanted > 20.0).sum() >= 17
+    assert (wanted > 20.0).sum() >= 21
     assert (np.abs(found - wanted) <= 0.03 * wanted + 0.1).all()
 
 
@@ -85,15 +86,15 @@ def test_bits_do_not_depend_on_the_worlds_beside(scene: Scene) -> None:
     """Nor on what these worlds did before."""
     every = driven(scene, list(range(len(TRIALS))))
     every.step(90)
-    one, two = driven(scene, [2]), driven(scene, [5, 2])
+    one, two = driven(scene, [3]), driven(scene, [6, 3])
     one.step(90)
     two.step(90)
-    assert (one.vessel_pose[0] == every.vessel_pose[2]).all()
-    assert (two.vessel_pose[1] == every.vessel_pose[2]).all()
-    two.place_vessels(placed()[[2, 5]])
-    two.command(commanded(scene)[[2, 5]])
+    assert (one.vessel_pose[0] == every.vessel_pose[3]).all()
+    assert (two.vessel_pose[1] == every.vessel_pose[3]).all()
+    two.place_vessels(placed()[[3, 6]])
+    two.command(commanded(scene)[[3, 6]])
     two.step(90)
-    assert (two.vessel_pose == every.vessel_pose[[2, 5]]).all()
+    assert (two.vessel_pose == every.vessel_pose[[3, 6]]).all()
 
 
 def test_contacts_without_room_are_an_error(scene: Scene) -> None:
