@@ -19,6 +19,7 @@ from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
+from mjforage.physics.vessel_moves import with_moves
 from mjforage.physics.vessels import Vessel
 from mjforage.scenario import scenario_file
 from mjforage.scenario.harbours import is_harbour
@@ -77,7 +78,7 @@ class Scenario(Setup):
         UserError
             For an unknown key, a wrong type, or a value out of range.
         """
-        return _changed(self.scenario, self.grid, map, changes)
+        return _changed(self.asked, self.grid, map, changes)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Setup):
@@ -92,7 +93,7 @@ class Scenario(Setup):
         return self  # nothing changes it
 
     def __reduce__(self) -> Any:
-        return _rebuilt, (self.to_dict(), self.grid)
+        return _rebuilt, (self.to_dict(), self.grid, self.following)
 
     def to_dict(self) -> dict[str, Any]:
         """All keys with their values, defaults included; tables as dicts. A copy."""
@@ -152,9 +153,9 @@ class Scenario(Setup):
         )
 
 
-def _rebuilt(tree: dict[str, Any], grid: GridMap) -> Scenario:
+def _rebuilt(tree: dict[str, Any], grid: GridMap, following: tuple[str, ...]) -> Scenario:
     """The scenario that another process had."""
-    return Scenario(scenario_file.scenario_from_tree(tree, "scenario"), grid)
+    return Scenario(scenario_file.scenario_from_tree(tree, "scenario"), grid, following)
 
 
 def load_scenario(
@@ -212,7 +213,7 @@ def scenario_of(
     if call is not None:
         _check_options(changes, call)
     if isinstance(given, Setup):
-        found = Scenario(given.scenario, given.grid)
+        found = Scenario(given.scenario, given.grid, given.following)
         return found.replace(**changes) if changes else found
     return load_scenario(given, **changes)
 
@@ -253,8 +254,8 @@ def _changed(
         grid = None
     changed = scenario_file.with_values(scenario, values, f"scenario {scenario.name}")
     if grid is None:
-        return Scenario.of(changed)
-    return Scenario.of(changed, grid.navigable, grid.name, grid.place)
+        return Scenario.of(changed, derive=with_moves)
+    return Scenario.of(changed, grid.navigable, grid.name, grid.place, derive=with_moves)
 
 
 def _flat(start: str, changes: Mapping[str, Any]) -> "list[tuple[str, Any]]":

@@ -131,12 +131,12 @@ def _on_file(setup: Setup, folder: Path) -> Settings:
     """The scenario, its map in a file: beside the folder, with its name, if it came as an array."""
     choice = setup.scenario.map
     if is_shipped_map(choice.file) or is_harbour(choice.file) or Path(choice.file).is_file():
-        return setup.scenario
+        return setup.asked
     file = folder.with_name(f"{folder.name}.map.csv")
     with write_errors(file):
         file.parent.mkdir(parents=True, exist_ok=True)
     write_table(setup.grid.navigable, file)
-    return replace(setup.scenario, map=replace(choice, file=str(file), water="light"))
+    return replace(setup.asked, map=replace(choice, file=str(file), water="light"))
 
 
 def _several(name: str, given: object, folder: Path) -> list[Settings]:

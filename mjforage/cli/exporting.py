@@ -54,6 +54,7 @@ def export(
     """
     from mjforage.api.evaluating import load_run
     from mjforage.api.scenarios import Scenario
+    from mjforage.physics.vessel_moves import with_moves
     from mjforage.scenario.scenario_file import load_scenario
 
     run = (Path(source) / "run.json").is_file()
@@ -67,7 +68,7 @@ def export(
         if run:
             load_run(source).export(out, to, policy=policy, world=world, episode=episode)
         else:
-            scenario = Scenario.of(load_scenario(source, set, map, water))
+            scenario = Scenario.of(load_scenario(source, set, map, water), derive=with_moves)
             scenario.export(out, to, seed=seed or 0, episode=episode)
     output.print(f"export: {out}", soft_wrap=True)
 

@@ -67,13 +67,17 @@ def scenarios(scenario: str | None = None, /, *, explain: str | None = None) -> 
     explain
         Key of a scenario, such as weather.gust_intensity, or a table of it, such as team.scouts.
     """
+    from mjforage.physics.vessel_moves import followed, open_setup
+    from mjforage.scenario.roles import FROM_VESSEL
     from mjforage.scenario.scenario_file import load_scenario, preset_names, scenario_path
 
     if scenario is not None and explain is not None:
         raise UserError(f"scenarios {scenario} --explain {explain}: give one of them")
     if scenario is not None:
-        load_scenario(scenario)
-        print_file(scenario_path(scenario))
+        found = load_scenario(scenario)
+        open_end = any(role.moves == FROM_VESSEL for role in found.team.values())
+        lines = followed(open_setup(found)) if open_end else ()
+        print_file(scenario_path(scenario), *(f"# {line}\n" for line in lines))
         return
     if explain is not None:
         from mjforage.scenario.scenario import Scenario

@@ -131,11 +131,11 @@ def compare(
 
 def _setup(scenario: str, policies: Sequence[str], choice: RunOptions) -> "tuple[Setup, list[str]]":
     from mjforage.base.references import with_options
-    from mjforage.mission.setup import Setup
+    from mjforage.physics.vessel_moves import open_setup
     from mjforage.scenario.scenario_file import load_scenario
 
     players, overrides = with_options("policy", policies, choice.set)
-    return Setup.of(load_scenario(scenario, overrides, choice.map, choice.water)), players
+    return open_setup(load_scenario(scenario, overrides, choice.map, choice.water)), players
 
 
 def _play(
@@ -150,6 +150,7 @@ def _play(
     """Run, show the headline table and draw the report."""
     from mjforage.base.errors import UserError
     from mjforage.graph_planner.policies import is_upper_bound
+    from mjforage.physics.vessel_moves import followed
     from mjforage.runs.run_info import read_json
     from mjforage.view.report import needed_table, terminal_table
 
@@ -162,6 +163,8 @@ def _play(
         f"{setup.scenario.name} on map {setup.grid.name} ({rows} x {columns}, "
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
+    for line in followed(setup):
+        output.print(line, soft_wrap=True)
     how: dict[str, Any] = {"seed": choice.seed, "metrics": choice.metric, "record": recorded}
     how |= {"resume": again.resume, **by.asked()}
     with bar(words, "episodes") as progress:

@@ -206,12 +206,12 @@ def _play(
     """Compute a study of a scenario and draw its report."""
     from mjforage.api.studies import study as play
     from mjforage.base.references import with_options
-    from mjforage.mission.setup import Setup
+    from mjforage.physics.vessel_moves import open_setup
     from mjforage.scenario.scenario_file import load_scenario
 
     asked = by.asked()
     players, overrides = with_options("policy", policies, choice.set)
-    setup = Setup.of(load_scenario(scenario, overrides, choice.map, choice.water))
+    setup = open_setup(load_scenario(scenario, overrides, choice.map, choice.water))
     what: dict[str, Any] = {"world": choice.world, "metrics": choice.metric, "options": options}
     what |= {"episodes": choice.episodes, "seed": choice.seed, **asked}
     what["folder"] = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"

@@ -86,7 +86,7 @@ def train(
     from mjforage.api.training import train as play
     from mjforage.base.extras import require
     from mjforage.base.references import with_options
-    from mjforage.mission.setup import Setup
+    from mjforage.physics.vessel_moves import open_setup
     from mjforage.scenario.scenario_file import load_scenario
 
     require(f"train {algorithm}", "torch", "tensorboard")
@@ -100,7 +100,7 @@ def train(
     with bar("train", unit) as shown:
         play(
             algorithm,
-            Setup.of(chosen),
+            open_setup(chosen),
             folder=folder,
             updates=updates,
             hours=hours,

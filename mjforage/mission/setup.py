@@ -1,5 +1,6 @@
 """A scenario with its map: the graph, the fleet and the starts that every mission on it shares."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -26,7 +27,7 @@ from mjforage.scenario.maps import (
     starts_of,
 )
 from mjforage.scenario.place import Place, north_deg
-from mjforage.scenario.roles import Fleet
+from mjforage.scenario.roles import FROM_VESSEL, Fleet
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.sizes import check_memory, map_bytes, mission_bytes
 
@@ -37,6 +38,8 @@ class Setup:
 
     scenario: Scenario
     grid: GridMap
+    following: tuple[str, ...] = ()
+    """Teams whose moves follow from their vessels."""
 
     @classmethod
     def of(
@@ -45,6 +48,7 @@ class Setup:
         cells: NDArray[np.bool_] | None = None,
         name: str = "array",
         place: Place | None = None,
+        derive: Callable[[Scenario], Scenario] = lambda scenario: scenario,
     ) -> Self:
         """Load the map and check that the scenario fits on it.
 
@@ -52,6 +56,7 @@ class Setup:
         ----------
         cells : (row, column) water, in the place of the scenario's map
         name, place : of those cells
+        derive : works out the moves of teams that leave them to their vessels
 
         Raises
         ------
@@ -67,7 +72,8 @@ class Setup:
             grid = load_map(choice.file, water=choice.water, **how)
         else:
             grid = replace(grid_of(cells.copy(), name, **how), place=place)
-        setup = cls(_on(grid, scenario), grid)
+        following = [name for name, role in scenario.team.items() if role.moves == FROM_VESSEL]
+        setup = cls(derive(_on(grid, scenario)), grid, tuple(following))
         setup.check_memory(1)
         own = setup.scenario.map.starts is not None
         owner = f"scenario {scenario.name}" if own else "the .starts.csv beside the map"
@@ -98,6 +104,13 @@ class Setup:
         )
 
     @property
+    def asked(self) -> Scenario:
+        """The scenario as it was asked for, with moves that follow from vessels; to be changed."""
+        team = dict(self.scenario.team)
+        team |= {name: replace(team[name], moves=FROM_VESSEL) for name in self.following}
+        return replace(self.scenario, team=team) if self.following else self.scenario
+
+    @property
     def start_cells(self) -> tuple[tuple[int, int], ...]:
         """(row, column) of the starts: the scenario's, else those beside the map, else none."""
         if self.scenario.map.starts is None:
@@ -109,7 +122,7 @@ class Setup:
         """Share of the nodes that each role can end a move on, from the first start (or node 0)."""
         first = int(self.start_nodes[0]) if self.start_nodes.size else 0
         return {
-            name: reachable_share(self.graph, first, role.moves, self.task.rules)
+            name: reachable_share(self.graph, first, role.nodes, self.task.rules)
             for name, role in self.scenario.team.items()
         }
 

@@ -187,7 +187,7 @@ def _too_quick(vessel: Vessel, step_s: float, remedy: str) -> Iterator[str]:
 
 def _too_slow(scenario: Scenario, vessel: Vessel, team: str) -> Iterator[str]:
     """Teams whose vessels are late after a straight move, turning by 90 degrees for it."""
-    moves, pitch = scenario.team[team].moves, scenario.map.pitch_m
+    moves, pitch = scenario.team[team].nodes, scenario.map.pitch_m
     needed = decision_s(vessel, moves * pitch)
     if needed > scenario.period_s:
         tuning = vessel_model(vessel).tuning

@@ -2,16 +2,42 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.fields import Within
+from mjforage.base.errors import UserError
+from mjforage.base.fields import Handler, JsonSchema, Within
 from mjforage.base.views import read_only
 
 UNLIMITED = int(np.iinfo(np.int64).max)
 """Capacity of an agent that can take any number of items aboard."""
+FROM_VESSEL: Literal["from vessel"] = "from vessel"
+MOST_MOVES = 100  # nodes per decision
+
+
+@dataclass(frozen=True)
+class _Moves:
+    """Reads nodes per decision, or the words that leave them to the vessel."""
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: Handler) -> Any:
+        from pydantic_core.core_schema import int_schema, no_info_wrap_validator_function
+
+        return no_info_wrap_validator_function(self._read, int_schema(ge=1, le=MOST_MOVES))
+
+    def __get_pydantic_json_schema__(self, core: object, handler: Handler) -> JsonSchema:
+        number = {"minimum": 1, "maximum": MOST_MOVES, "unit": "node"}
+        return {"type": ["integer", "string"], "pattern": f"^{FROM_VESSEL}$", **number}
+
+    def _read(self, entry: object, number: Handler) -> object:
+        from pydantic_core import PydanticCustomError
+
+        if isinstance(entry, str) and entry != FROM_VESSEL:
+            raise PydanticCustomError(
+                "words", f' = "{{it}}"; give a number, or "{FROM_VESSEL}"', {"it": entry[:60]}
+            )
+        return entry if entry == FROM_VESSEL else number(entry)
 
 
 @dataclass(frozen=True)
@@ -20,8 +46,9 @@ class Role:
 
     count: Annotated[int, Within(0, 255, "agents")]
     """Agents in the team."""
-    moves: Annotated[int, Within(1, 100, "node")]
-    """Nodes an agent moves per decision, in one direction."""
+    moves: Annotated[int | Literal["from vessel"], _Moves()]
+    """Nodes an agent moves per decision, in one direction; or "from vessel": the most that its
+    vessel makes in time in any of the eight directions, after a turn of 90 degrees."""
     radius: Annotated[float, Within(0, 1000, "node")]
     """Sensing radius."""
     collects: bool
@@ -36,6 +63,13 @@ class Role:
     """True if it passes on the scans that it receives, also where `link.relay` is off."""
     antenna_m: Annotated[float, Within(0.01, 200, "m")] = 1.0
     """Height of its antenna above the water, for `link.model = "two-ray"`."""
+
+    @property
+    def nodes(self) -> int:
+        """Nodes per decision; `UserError` where they follow from a vessel that nobody has asked."""
+        if self.moves == FROM_VESSEL:
+            raise UserError(f'moves = "{FROM_VESSEL}": no vessel is known here; give a number')
+        return self.moves
 
 
 def choosing_order(teams: Mapping[str, Role]) -> tuple[str, ...]:
@@ -97,7 +131,7 @@ class Fleet:
         return cls(
             team_names=tuple(teams),
             team=team,
-            moves=np.repeat(np.asarray([r.moves for r in roles], np.int64), counts),
+            moves=np.repeat(np.asarray([r.nodes for r in roles], np.int64), counts),
             radius=np.repeat(np.asarray([r.radius for r in roles], np.float64), counts),
             collects=np.repeat(np.asarray([r.collects for r in roles], np.bool_), counts),
             capacity=np.repeat(

@@ -38,9 +38,14 @@ def capture_path(name_or_path: str | Path) -> Path:
     return path.with_name(path.stem + _CAPTURE)
 
 
+def hull_name(choice: Physics, team: str, collects: bool) -> str:
+    """Name or file of a team's vessel."""
+    return choice.vessels.get(team, "forager" if collects else "scout")
+
+
 def hull_names(fleet: Fleet, choice: Physics) -> tuple[str, ...]:
     """(agent,) name or file of every agent's vessel."""
     return tuple(
-        choice.vessels.get(fleet.team_names[team], "forager" if collects else "scout")
+        hull_name(choice, fleet.team_names[team], collects)
         for team, collects in zip(fleet.team, fleet.collects, strict=True)
     )

@@ -19,6 +19,7 @@ from mjforage.mission.scoring import METRICS, Metric, Scorer, chosen_metrics
 from mjforage.mission.scoring.known import checked
 from mjforage.mission.setup import Setup
 from mjforage.physics.positioning import POSITIONING, create_positioning
+from mjforage.physics.vessel_moves import open_setup
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
@@ -39,7 +40,7 @@ class PartTrial:
     @cached_property
     def setup(self) -> Setup:
         """Scenario and map."""
-        return Setup.of(load_scenario(self.scenario, self.overrides))
+        return open_setup(load_scenario(self.scenario, self.overrides))
 
     def mission(self, episodes: list[int]) -> Mission:
         """A mission at its start."""

@@ -17,6 +17,7 @@ from mjforage.mission.mission import Mission
 from mjforage.mission.policy import Policy, UpperBound
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import GroundTruth, Observation, Task
+from mjforage.physics.vessel_moves import open_setup
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
@@ -71,12 +72,12 @@ class PolicyTrial:
     @cached_property
     def setup(self) -> Setup:
         """Scenario and map."""
-        return Setup.of(load_scenario(self.scenario, self.overrides))
+        return open_setup(load_scenario(self.scenario, self.overrides))
 
     @cached_property
     def without_link(self) -> Setup:
         """The same without a link: every agent is a belief owner of its own."""
-        return Setup.of(load_scenario(self.scenario, (*self.overrides, "link.model=none")))
+        return open_setup(load_scenario(self.scenario, (*self.overrides, "link.model=none")))
 
     @cached_property
     def whole(self) -> list[Frame]:

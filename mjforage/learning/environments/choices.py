@@ -11,6 +11,7 @@ import numpy as np
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
+from mjforage.physics.vessel_moves import open_setup
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.maps import PITCH_M, water_of_array
 from mjforage.scenario.place import is_place
@@ -59,7 +60,7 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
             return scenario
         if grid is None:
             grid, place = scenario.grid.navigable, scenario.grid.place
-        scenario = scenario.scenario
+        scenario = scenario.asked
     if not isinstance(scenario, str | Path | Scenario):
         raise _unknown("scenario", scenario, "a preset's name, a TOML file or a Scenario")
     found = scenario if isinstance(scenario, Scenario) else load_scenario(str(scenario))
@@ -76,7 +77,7 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
         )
     elif grid is not None:
         raise _unknown("map", grid, "a name, a file or an array (row, column) of booleans")
-    return Setup.of(with_overrides(found, given) if given else found, cells, place=place)
+    return open_setup(with_overrides(found, given) if given else found, cells, place=place)
 
 
 def _given(overrides: object) -> Iterator[str]:

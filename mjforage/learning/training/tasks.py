@@ -74,7 +74,7 @@ class TrainingTask:
         self.setup.check_memory(num_envs)
         if vary:
             self.options = [
-                replace(options, scenario=scenario) for scenario in variants(self.scenario, vary)
+                replace(options, scenario=scenario) for scenario in variants(self.setup.asked, vary)
             ]
         self.examples, self._varied = self.options, bool(vary)
         if options.world != "graph":  # what a world refuses is said now, not hours later

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from mjforage.base.errors import UserError
 from mjforage.base.references import file_label, nearest
 from mjforage.mission.setup import Setup
+from mjforage.physics.vessel_moves import open_setup
 from mjforage.physics.worlds import WORLDS
 from mjforage.runs.identity import pinned
 from mjforage.scenario.scenario import Scenario
@@ -66,7 +67,7 @@ def task_of_scenario(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
     """
     reference, world, end = _parted(text)
     scenario = load_scenario(reference, overrides)
-    return BenchmarkTask(file_label(scenario.name) + end, pinned(Setup.of(scenario)), world)
+    return BenchmarkTask(file_label(scenario.name) + end, pinned(open_setup(scenario)), world)
 
 
 def task_on_map(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
@@ -84,7 +85,7 @@ def task_on_map(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
     """
     file, world, end = _parted(text)
     scenario = _without_starts(load_scenario(RULES, overrides, file))
-    setup = pinned(Setup.of(scenario))
+    setup = pinned(open_setup(scenario))
     return BenchmarkTask(file_label(f"{RULES}-on-{setup.grid.name}") + end, setup, world)
 
 

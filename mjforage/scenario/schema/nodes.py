@@ -91,7 +91,9 @@ def type_words(node: Tree, key: str = "") -> str:
         return f"tables such as [{key or '...'}.NAME]" if _of_tables(node) else "a table"
     if "discriminator" in node:
         return "a table"
-    return _TYPES.get(str(node.get("type")), "something else")
+    some = node.get("type", "")
+    names = some if isinstance(some, list) else [some]
+    return " or ".join(_TYPES.get(name, "something else") for name in names)
 
 
 def _of_tables(node: Tree) -> bool:

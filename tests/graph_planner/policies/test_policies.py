@@ -61,9 +61,9 @@ def greedy_by_hand(
     rewards = []
     for d in range(9):
         target, steps = start, 0
-        while d != STAY and steps < role.moves and graph.neighbours[target, d] >= 0:
+        while d != STAY and steps < role.nodes and graph.neighbours[target, d] >= 0:
             target, steps = int(graph.neighbours[target, d]), steps + 1
-        legal = rules.stay if d == STAY else steps == role.moves or (steps > 0 and rules.shorten)
+        legal = rules.stay if d == STAY else steps == role.nodes or (steps > 0 and rules.shorten)
         if not legal:
             rewards.append(-np.inf)
             continue

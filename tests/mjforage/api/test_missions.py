@@ -14,7 +14,7 @@ def test_a_move_goes_its_way_in_metres(bay: mf.Scenario) -> None:
     before = mission.reset(seed=1)
     after = mission.step({"scouts_0": "E", "foragers_0": 6})
     moved = after.agent_xy_m - before.agent_xy_m
-    scouts, foragers = (bay.scenario.team[team].moves for team in ("scouts", "foragers"))
+    scouts, foragers = (bay.scenario.team[team].nodes for team in ("scouts", "foragers"))
     assert moved.tolist() == [[4.0 * scouts, 0.0], [0, 0], [-4.0 * foragers, 0.0], [0, 0]]
     assert (after.step, after.time_s, after.over) == (1, bay.scenario.period_s, False)
 

@@ -136,16 +136,16 @@ class SlowMission:
         rules, options = self.scenario.rules, {}
         for d in range(8):
             way = [agent.node]
-            for _ in range(agent.role.moves):
+            for _ in range(agent.role.nodes):
                 following = self.water.beside(way[-1], d)
                 if following < 0 or following in chosen:
                     break
                 way.append(following)
             steps = len(way) - 1
             if rules.jump:
-                way, steps = [self.water.jumped(agent.node, d, agent.role.moves)], agent.role.moves
+                way, steps = [self.water.jumped(agent.node, d, agent.role.nodes)], agent.role.nodes
             free = way[-1] >= 0 and way[-1] not in chosen
-            whole = steps == agent.role.moves or (rules.shorten and steps > 0)
+            whole = steps == agent.role.nodes or (rules.shorten and steps > 0)
             if free and whole and length_of(d, steps) <= agent.energy_left + 1e-9:
                 options[d] = (way[-1], steps)
         if rules.stay and agent.node not in chosen:
@@ -154,7 +154,7 @@ class SlowMission:
 
     def final(self, number: int, wanted: NDArray[np.float64]) -> tuple[int, int, int] | None:
         """Direction, node (-1: none) and steps of a move that is made whoever is there, if any."""
-        agent, steps = self.agents[number], self.agents[number].role.moves
+        agent, steps = self.agents[number], self.agents[number].role.nodes
         for d in range(8) if self.scenario.rules.jump else ():
             if wanted[d] >= FINAL and length_of(d, steps) <= agent.energy_left + 1e-9:
                 return d, self.water.jumped(agent.node, d, steps), steps
