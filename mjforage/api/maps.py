@@ -22,7 +22,15 @@ from mjforage.scenario.maps import (
     pitch_of,
     water_of_array,
 )
-from mjforage.scenario.place import GRID_FILE, PICTURE_FILE, PLACE_FILE, Place, write_place
+from mjforage.scenario.place import (
+    DEPTHS_FILE,
+    GRID_FILE,
+    PICTURE_FILE,
+    PLACE_FILE,
+    Place,
+    write_depths,
+    write_place,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -77,7 +85,7 @@ class Map:
                 raise UserError("map: the array has no water; mark water with 1 or True")
         given = beside or () if starts is None else _cells(starts)
         called = grid.name if name is None else checks.label("name", name)
-        self._grid = GridMap(called, grid.navigable, grid.place)
+        self._grid = GridMap(called, grid.navigable, grid.place, grid.depth_m)
         self._starts: Starts = tuple((int(row), int(column)) for row, column in given)
         self._pitch_m = pitch_of(self._grid, checks.real("pitch_m", pitch_m, above=0.0))
         check_starts(self._starts, self.water, "this map", self.name)
@@ -106,7 +114,7 @@ class Map:
         licence: str = "",
     ) -> "Map":
         """Make a place of a file, and write it: `harbour.csv`, `place.toml`, `quays.geojson`,
-        `harbour.png`.
+        `harbour.png`, and `depths.csv` of a chart that has some.
 
         Parameters
         ----------
@@ -120,7 +128,7 @@ class Map:
             place of the usual ones; of an image ``water`` is light, dark, or colours as ``#aad3df``
         share : share of its cell that is water, at least, in a node
         pier_width_m : width of lines that are land; None: by their tags
-        min_depth_m : least depth of a chart's water; None: 0
+        min_depth_m : least depth of water that has one, its `DRVAL1` or `depth`; None: 0
         points : two control points of an image, as ``"12,340=38.97,-76.48"`` (row, column =
             latitude, longitude)
         licence : of the file, to be shown with what is made from it; by default as its format says
@@ -177,6 +185,11 @@ class Map:
         return self._starts
 
     @property
+    def grid(self) -> GridMap:
+        """Water, name, place and depths, as a scenario has them."""
+        return self._grid
+
+    @property
     def place(self) -> Place | None:
         """Place on the globe: ``place.latlon(cells)`` has latitude and longitude of rows and
         columns, ``place.cells(latlon)`` the way back; None of maps that are no place.
@@ -202,8 +215,10 @@ class Map:
             with write_errors(target):
                 target.mkdir(parents=True, exist_ok=True)
             write_place(self.place, target)
+            if self._grid.depth_m is not None:
+                write_depths(self._grid.depth_m, target / DEPTHS_FILE)
             table, target = target / GRID_FILE, target / PLACE_FILE
-        write_table(self.water, table)
+        write_table(self._grid.charted, table)
         if self.starts:
             with atomic_write(target.with_name(f"{target.stem}.starts.csv")) as beside:
                 beside.write_text("".join(f"{row},{column}\n" for row, column in self.starts))

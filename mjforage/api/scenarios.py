@@ -200,7 +200,7 @@ def reads_as(setup: Setup) -> bool:
         )
     except UserError:
         return False
-    return np.array_equal(found.navigable, setup.grid.navigable)
+    return np.array_equal(found.charted, setup.grid.charted)
 
 
 def scenario_of(
@@ -246,7 +246,7 @@ def _changed(
     elif chosen is not None:
         pitch_m = values.get("map.pitch_m", scenario.map.pitch_m)
         found = chosen if isinstance(chosen, Map) else Map(chosen, pitch_m=pitch_m)
-        grid = GridMap(found.name, found.water, found.place)
+        grid = found.grid
         own = {"map.file": found.name, "map.pitch_m": found.pitch_m}
         own["map.starts"] = [list(cell) for cell in found.starts]
         values = own | values
@@ -255,7 +255,8 @@ def _changed(
     changed = scenario_file.with_values(scenario, values, f"scenario {scenario.name}")
     if grid is None:
         return Scenario.of(changed, derive=with_moves)
-    return Scenario.of(changed, grid.navigable, grid.name, grid.place, derive=with_moves)
+    about = grid.charted, grid.name, grid.place, grid.depth_m
+    return Scenario.of(changed, *about, derive=with_moves)
 
 
 def _flat(start: str, changes: Mapping[str, Any]) -> "list[tuple[str, Any]]":

@@ -31,7 +31,8 @@ def place(
     """Make a place, a map with latitude and longitude, of a chart, an outline or an image.
 
     It writes harbour.csv (the grid), place.toml (projection, pitch, source, remarks), quays.geojson
-    (outlines of the land) and harbour.png (a picture to check).
+    (outlines of the land), harbour.png (a picture to check), and depths.csv (least depth of each
+    node) where the water has depths.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def place(
     pier_width
         Width of lines that are land [m]; default by their tags.
     min_depth
-        Least depth of a chart's water [m]; default 0.
+        Least depth of water that has one (DRVAL1 of S-57, or depth) [m]; default 0.
     point
         Control point of an image, ROW,COL=LAT,LON; give two.
     licence

@@ -17,6 +17,7 @@ from mjforage.mission.initial_state import InitialState, create_initial_state, n
 from mjforage.mission.link.reach import reach_m
 from mjforage.mission.moves import Corruption, MoveRules, reachable_share
 from mjforage.mission.task import Task
+from mjforage.scenario.draughts import afloat, check_afloat
 from mjforage.scenario.maps import (
     GridMap,
     check_starts,
@@ -48,6 +49,7 @@ class Setup:
         cells: NDArray[np.bool_] | None = None,
         name: str = "array",
         place: Place | None = None,
+        depth_m: NDArray[np.float64] | None = None,
         derive: Callable[[Scenario], Scenario] = lambda scenario: scenario,
     ) -> Self:
         """Load the map and check that the scenario fits on it.
@@ -55,7 +57,7 @@ class Setup:
         Parameters
         ----------
         cells : (row, column) water, in the place of the scenario's map
-        name, place : of those cells
+        name, place, depth_m : of those cells
         derive : works out the moves of teams that leave them to their vessels
 
         Raises
@@ -72,11 +74,15 @@ class Setup:
             grid = load_map(choice.file, water=choice.water, **how)
         else:
             grid = replace(grid_of(cells.copy(), name, **how), place=place)
+            if depth_m is not None:
+                grid = replace(grid, depth_m=np.where(grid.navigable, depth_m, np.nan))
         following = [name for name, role in scenario.team.items() if role.moves == FROM_VESSEL]
-        setup = cls(derive(_on(grid, scenario)), grid, tuple(following))
+        scenario = derive(_on(grid, scenario))
+        setup = cls(scenario, afloat(grid, scenario), tuple(following))
         setup.check_memory(1)
         own = setup.scenario.map.starts is not None
         owner = f"scenario {scenario.name}" if own else "the .starts.csv beside the map"
+        check_afloat(setup.start_cells, setup.grid, scenario)
         check_starts(setup.start_cells, grid.navigable, owner, choice.file)
         nodes_around(setup.graph, setup.start_nodes, len(setup.fleet))
         return setup

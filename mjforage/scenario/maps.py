@@ -17,7 +17,15 @@ from mjforage.scenario.assets import models_folder
 from mjforage.scenario.harbours import harbour, harbour_cells, is_harbour
 from mjforage.scenario.map_files import WaterIs, is_shipped_map, map_path, read_cells
 from mjforage.scenario.map_formats.levels import LIGHT, check_size, levels_of
-from mjforage.scenario.place import GRID_FILE, Place, is_place, place_path, read_place
+from mjforage.scenario.place import (
+    DEPTHS_FILE,
+    GRID_FILE,
+    Place,
+    is_place,
+    place_path,
+    read_depths,
+    read_place,
+)
 
 Starts = tuple[tuple[int, int], ...]
 LatLon = tuple[tuple[float, float], ...]
@@ -39,14 +47,23 @@ class GridMap:
         (``harbour:combs:7:60x46``), or file name of a user's (``port.csv``), of a place its folder
     navigable : (row, column) bool, read-only
     place : where on the globe it lies, of a map that was made by `mjforage place`
+    depth_m : (row, column) least depth of its chart in a node's cell [m below datum], infinite
+        where unknown, NaN on land; None of a map without depths
     """
 
     name: str
     navigable: NDArray[np.bool_]
     place: Place | None = None
+    depth_m: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "navigable", read_only(self.navigable))
+        object.__setattr__(self, "depth_m", read_only(self.depth_m))
+
+    @property
+    def charted(self) -> NDArray[np.bool_]:
+        """(row, column) the navigable cells before a draught closes some."""
+        return self.navigable if self.depth_m is None else ~np.isnan(self.depth_m)
 
     @property
     def nodes(self) -> int:
@@ -101,7 +118,8 @@ def _map_of_place(
             f"it {cells.shape[0]} and {cells.shape[1]}; make the place again"
         )
     found = grid_of(cells, name, corner_cutting, largest_component)
-    return GridMap(name, found.navigable, place)
+    depth_m = read_depths(path.with_name(DEPTHS_FILE), found.navigable)
+    return GridMap(name, found.navigable, place, depth_m)
 
 
 def pitch_of(grid: GridMap, pitch_m: float) -> float:

@@ -22,8 +22,8 @@ from mjforage.base.toml_files import read_toml
 from mjforage.scenario.bearings import Bearing, direction
 from mjforage.scenario.schema import check
 
-PLACE_FILE, GRID_FILE, QUAYS_FILE, PICTURE_FILE = (
-    *("place.toml", "harbour.csv"),
+PLACE_FILE, GRID_FILE, DEPTHS_FILE, QUAYS_FILE, PICTURE_FILE = (
+    *("place.toml", "harbour.csv", "depths.csv"),
     *("quays.geojson", "harbour.png"),
 )
 Ring = tuple[tuple[float, float], ...]
@@ -166,3 +166,32 @@ def read_place(path: Path) -> Place:
     if not np.isfinite([xy for ring in given for xy in ring]).all():
         raise UserError(f"quays {file}: a coordinate is not finite; make the place again")
     return replace(place, quays=given)
+
+
+def write_depths(depth_m: NDArray[np.float64], path: Path) -> None:
+    """Write depths (row, column) as a table [m], with nothing on land and `inf` where unknown."""
+    words = (["" if one != one else f"{one:g}" for one in row] for row in depth_m.tolist())
+    with atomic_write(path) as beside:
+        beside.write_text("".join(f"{','.join(row)}\n" for row in words), encoding="utf-8")
+
+
+def read_depths(path: Path, nodes: NDArray[np.bool_]) -> NDArray[np.float64] | None:
+    """(row, column) depths [m] of the nodes of a place, infinite where the file has none, NaN on
+    land; None if there is no file.
+
+    Raises
+    ------
+    UserError
+        If the file is malformed, or has not the place's rows and columns.
+    """
+    if not path.is_file():
+        return None
+    remedy = "make the place again, or delete the file"
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+        given = np.array([[float(one or "nan") for one in line.split(",")] for line in lines])
+    except (OSError, ValueError) as error:
+        raise UserError(f"depths {path}: not a table of metres ({error}); {remedy}") from error
+    if given.shape != nodes.shape:
+        raise UserError(f"depths {path}: has shape {given.shape}, expected {nodes.shape}; {remedy}")
+    return np.where(nodes, np.nan_to_num(given, nan=np.inf, posinf=np.inf), np.nan)

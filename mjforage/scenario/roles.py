@@ -59,6 +59,9 @@ class Role:
     """Distance an agent can travel in one episode; 0 means unlimited."""
     carries: bool = False
     """True if it takes over the items that others have aboard."""
+    draught_m: Annotated[float, Within(0, 20, "m")] = 0.0
+    """Draught of its hull. Nodes of a place that are no deeper are closed to the whole fleet, by
+    the largest of the teams; 0: it closes none."""
     relays: bool = False
     """True if it passes on the scans that it receives, also where `link.relay` is off."""
     antenna_m: Annotated[float, Within(0.01, 200, "m")] = 1.0

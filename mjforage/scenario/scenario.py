@@ -38,6 +38,8 @@ class MapChoice:
     """(row, column) to assign at random; absent: those beside the map; []: a random cluster."""
     starts_latlon: tuple[tuple[_Latitude, _Longitude], ...] = ()
     """(latitude, longitude) of the starts on a place, in the place of `starts`."""
+    water_level_m: Annotated[float, Within(-20, 20, "m")] = 0.0
+    """Height of the tide above the datum of a place's depths, for `team.NAME.draught_m`."""
     water: Literal["light", "dark"] = "light"
     """Cells of a file that are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
 

@@ -54,12 +54,13 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
 
     Raises `UserError` if one of them is of another type, or the scenario is not a valid one.
     """
-    given, place = list(_given(overrides)), None
+    given, place, depth_m = list(_given(overrides)), None, None
     if isinstance(scenario, Setup):
         if grid is None and not given:
             return scenario
         if grid is None:
-            grid, place = scenario.grid.navigable, scenario.grid.place
+            grid, place = scenario.grid.charted, scenario.grid.place
+            depth_m = scenario.grid.depth_m
         scenario = scenario.asked
     if not isinstance(scenario, str | Path | Scenario):
         raise _unknown("scenario", scenario, "a preset's name, a TOML file or a Scenario")
@@ -77,7 +78,8 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
         )
     elif grid is not None:
         raise _unknown("map", grid, "a name, a file or an array (row, column) of booleans")
-    return open_setup(with_overrides(found, given) if given else found, cells, place=place)
+    changed = with_overrides(found, given) if given else found
+    return open_setup(changed, cells, place=place, depth_m=depth_m)
 
 
 def _given(overrides: object) -> Iterator[str]:

@@ -68,3 +68,29 @@ def without_barriers(
             less = first if shares[tuple(first)] < shares[tuple(second)] else second
             kept[tuple(less)] = False
     return kept
+
+
+def least_depths(
+    areas: NDArray[np.object_],
+    area_depth_m: NDArray[np.float64],
+    nodes: NDArray[np.bool_],
+    pitch_m: float,
+) -> NDArray[np.float64]:
+    """(row, column) least depth of the areas in each node's cell [m]: infinite where there is none,
+    NaN on land.
+
+    Parameters
+    ----------
+    areas, area_depth_m : (area,) polygons in the frame of the place, and their depths [m]
+    """
+    import shapely
+
+    cells, half = np.argwhere(nodes), 0.49 * pitch_m  # what only touches a cell is not in it
+    x, y = pitch_m * cells[:, 1], pitch_m * (len(nodes) - 1 - cells[:, 0])
+    tree = shapely.STRtree(shapely.box(x - half, y - half, x + half, y + half))
+    area, node = tree.query(areas, predicate="intersects")
+    least = np.full(len(cells), np.inf)
+    np.minimum.at(least, node, area_depth_m[area])
+    depth_m = np.full(nodes.shape, np.nan)
+    depth_m[nodes] = least
+    return depth_m

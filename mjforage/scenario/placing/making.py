@@ -17,10 +17,10 @@ from mjforage.scenario.map_formats.levels import check_size
 from mjforage.scenario.maps import GridMap, components
 from mjforage.scenario.place import Place
 from mjforage.scenario.placing.channels import closed_channels, open_borders, width_at
-from mjforage.scenario.placing.gridding import water_shares, without_barriers
+from mjforage.scenario.placing.gridding import least_depths, water_shares, without_barriers
 from mjforage.scenario.placing.outlines import Box, read_outlines
 from mjforage.scenario.placing.pictures import Georeference, Point, image_water
-from mjforage.scenario.placing.water import Choice, water_of
+from mjforage.scenario.placing.water import Choice, Depths, water_of
 
 _MOST_NAMED = 10  # channels
 _FINEST = 30_000_000  # cells of the fine grid, on which channels are looked for
@@ -66,7 +66,7 @@ def make_place(
         how = "needs --point ROW,COL=LAT,LON twice" if image else "is no image; leave out --point"
         raise UserError(f"place {path}: {how} ({len(points)} given)")
     made = _of_image(path, layout, choice, points) if image else _of_outlines(path, layout, choice)
-    place, shares, water, remarks, own = made
+    place, shares, water, depths, remarks, own = made
     place = replace(
         place,
         share=layout.share,
@@ -74,10 +74,10 @@ def make_place(
         sha256=_sha256(path),
         licence=licence or own or Place.licence,
     )
-    return _finished(place, shares, water, remarks)
+    return _with_depths(_finished(place, shares, water, remarks), depths)
 
 
-_Made = tuple[Place, NDArray[np.float64], Any, list[str], str]
+_Made = tuple[Place, NDArray[np.float64], Any, Depths | None, list[str], str]
 
 
 def _of_image(path: Path, layout: Layout, choice: Choice, points: Sequence[Point]) -> _Made:
@@ -90,7 +90,7 @@ def _of_image(path: Path, layout: Layout, choice: Choice, points: Sequence[Point
     fine, side = _fine(place), (place.rows, place.columns)
     rows, columns = ((np.arange(n * fine) + 0.5) / fine - 0.5 for n in side)
     cells = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1)
-    return place, known.sampled(pixels, place.latlon(cells)).astype(float), None, [], ""
+    return place, known.sampled(pixels, place.latlon(cells)).astype(float), None, None, [], ""
 
 
 def _of_outlines(path: Path, layout: Layout, choice: Choice) -> _Made:
@@ -112,11 +112,11 @@ def _of_outlines(path: Path, layout: Layout, choice: Choice) -> _Made:
         shapes = shapely.make_valid(_framed(outlines.shapes, place))
     there = np.flatnonzero(shapely.intersects(shapes, box)).tolist()
     outlines = replace(outlines, tags=[outlines.tags[i] for i in there])
-    water, remarks = water_of(outlines, shapes[there], choice, box)
+    water, depths, remarks = water_of(outlines, shapes[there], choice, box)
     if water.is_empty:
         raise UserError(f"place {path}: has no water there; give another --crop, --water or --land")
     shares = water_shares(water, place.rows, place.columns, place.pitch_m, _fine(place))
-    return place, shares, water, remarks, outlines.licence
+    return place, shares, water, depths, remarks, outlines.licence
 
 
 def _finished(place: Place, fine_shares: NDArray[Any], water: Any, remarks: list[str]) -> GridMap:
@@ -144,6 +144,22 @@ def _finished(place: Place, fine_shares: NDArray[Any], water: Any, remarks: list
     remarks += _borders(place, largest)
     quays = () if water is None else _quays(place, water)
     return GridMap("harbour", largest, replace(place, remarks=tuple(remarks), quays=quays))
+
+
+def _with_depths(grid: GridMap, depths: Depths | None) -> GridMap:
+    """The map with the depths of its nodes, if any is known, and a remark."""
+    place = grid.place
+    if place is None or depths is None or not depths[0].size:
+        return grid
+    depth_m = least_depths(*depths, grid.navigable, place.pitch_m)
+    known = depth_m[np.isfinite(depth_m)]
+    if not known.size:
+        return grid
+    remark = (
+        f"depths of {known.size} of {grid.nodes} nodes, {known.min():g} to {known.max():g} m; "
+        "team.NAME.draught_m closes what is too shallow"
+    )
+    return replace(grid, depth_m=depth_m, place=replace(place, remarks=(*place.remarks, remark)))
 
 
 def _channels(

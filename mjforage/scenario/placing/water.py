@@ -61,7 +61,7 @@ class Choice:
     ----------
     water, land : filters KEY=VALUE or KEY, in the place of the usual ones
     pier_width_m : width of all lines; None: that of their kind
-    min_depth_m : depth below which a chart's water counts as land
+    min_depth_m : depth below which water counts as land; None: 0
     """
 
     water: tuple[str, ...] = ()
@@ -70,8 +70,14 @@ class Choice:
     min_depth_m: float | None = None
 
 
-def water_of(outlines: Outlines, shapes: Shapes, choice: Choice, box: Any) -> tuple[Any, list[str]]:
-    """The water in a box, as one geometry, and remarks on how it was found.
+Depths = tuple[Shapes, NDArray[np.float64]]
+"""(area,) areas of water in the frame of the place, and the least depth of each [m]."""
+
+
+def water_of(
+    outlines: Outlines, shapes: Shapes, choice: Choice, box: Any
+) -> tuple[Any, Depths, list[str]]:
+    """The water in a box, as one geometry, its depths, and remarks on how it was found.
 
     Parameters
     ----------
@@ -91,7 +97,7 @@ def water_of(outlines: Outlines, shapes: Shapes, choice: Choice, box: Any) -> tu
     is_water = _fit(tags, choice.water, "--water", WATER[kinds])
     is_land = _fit(tags, choice.land, "--land", LAND[kinds])
     coast = np.array([tag.get("natural") == "coastline" for tag in tags]) & (names == "line")
-    remarks, shallow = [], _too_shallow(outlines, choice)
+    remarks = []
     if not (is_water | is_land).any():
         if kind != "plain" or not (names == "area").any():
             raise UserError(
@@ -100,7 +106,10 @@ def water_of(outlines: Outlines, shapes: Shapes, choice: Choice, box: Any) -> tu
             )
         is_water = names == "area"
         remarks.append(f"all {is_water.sum()} polygons taken for water; --water, --land filter")
-    is_water &= (names == "area") & ~shallow
+    is_water &= names == "area"
+    depth_m = _depths(tags, is_water, choice)
+    shallow = depth_m < (choice.min_depth_m or 0.0)
+    is_water &= ~shallow
     under = np.array([tag.get("WATLEV") == "3" for tag in tags]) & (kind == "s57")
     is_land &= (names != "point") & ~coast & ~under
     if shallow.any():
@@ -115,7 +124,8 @@ def water_of(outlines: Outlines, shapes: Shapes, choice: Choice, box: Any) -> tu
     water = _closed(shapely.union_all(waters)) if waters else box
     water = shapely.intersection(shapely.difference(water, shapely.union_all(solid)), box)
     remarks += _dropped(tags, names, ~(is_water | is_land | coast | shallow))
-    return _areas(water), remarks
+    deep = is_water & np.isfinite(depth_m)
+    return _areas(water), (shapes[deep], depth_m[deep]), remarks
 
 
 def _closed(water: Any) -> Any:
@@ -171,17 +181,19 @@ def _keys(tags: Sequence[Mapping[str, str]]) -> str:
     return ", ".join(key for key, _ in known.most_common(8))
 
 
-def _too_shallow(outlines: Outlines, choice: Choice) -> NDArray[np.bool_]:
-    """(feature,) whether it is a depth area of a chart whose least depth is too small."""
-    depth = np.array([float(tag.get("DRVAL1", "nan")) for tag in outlines.tags])
-    if choice.min_depth_m is not None and not np.isfinite(depth).any():
+def _depths(
+    tags: Sequence[Mapping[str, str]], is_water: NDArray[np.bool_], choice: Choice
+) -> NDArray[np.float64]:
+    """(feature,) least depth of water and depth areas [m], NaN of all others."""
+    charted = np.array([tag["layer"] in ("DEPARE", "DRGARE") for tag in tags])
+    given = np.array([_metres(tag.get("DRVAL1", tag.get("depth"))) for tag in tags])
+    depth_m = np.where(is_water | charted, given, np.nan)
+    if choice.min_depth_m is not None and not np.isfinite(depth_m).any():
         raise UserError(
-            f"--min-depth {choice.min_depth_m:g}: none of the features has a depth (DRVAL1), as "
-            "those of S-57 charts have; leave it out"
+            f"--min-depth {choice.min_depth_m:g}: no water has a depth (DRVAL1), as that of "
+            "S-57 charts, or a tag depth; leave it out"
         )
-    least = 0.0 if choice.min_depth_m is None else choice.min_depth_m
-    charted = np.array([tag["layer"] in ("DEPARE", "DRGARE") for tag in outlines.tags])
-    return np.asarray((depth < least) & charted)
+    return depth_m
 
 
 def _wide(
@@ -211,11 +223,16 @@ def _wide(
 
 def _number(text: str | None) -> float:
     """A width in metres, or 0 if there is none."""
-    try:
-        width = float((text or "").removesuffix("m").strip() or 0.0)
-    except ValueError:
-        return 0.0
+    width = _metres(text)
     return width if 0.0 < width < 1000.0 else 0.0
+
+
+def _metres(text: str | None) -> float:
+    """Metres of a tag, NaN if it has none."""
+    try:
+        return float((text or "nan").removesuffix("m").strip())
+    except ValueError:
+        return float("nan")
 
 
 def _seaward(lines: Shapes, box: Any, remarks: list[str]) -> Any:
