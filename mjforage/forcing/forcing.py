@@ -13,7 +13,14 @@ from mjforage.base.randomness import Stream, UInt64Array, stream_key
 from mjforage.forcing.flow import OPEN_SEA, Flow, flow_in
 from mjforage.forcing.gauss_markov import gauss_markov_pair
 from mjforage.forcing.item_noise import item_noise
-from mjforage.forcing.record import NO_RECORD, Record, on_map, recorded_velocity, starts_of
+from mjforage.forcing.record import (
+    NO_RECORD,
+    Record,
+    on_map,
+    recorded_velocity,
+    rise_of,
+    starts_of,
+)
 from mjforage.forcing.record_files import read_record
 from mjforage.forcing.shelter import NO_SHELTER, Shelter, shelter_of, wind_share
 from mjforage.forcing.steady import LEEWAY, steady_current, steady_wind, to_rc
@@ -50,20 +57,25 @@ def _wind(
     t_s: FloatArray,
     xy: FloatArray,
 ) -> FloatArray:
-    """Mean wind and the gusts along and across it, weaker in the lee, (episode, point, 2) [m/s]."""
-    recorded = record.times_s.size > 0
+    """Mean wind and the gusts along and across it, weaker in the lee, (episode, point, 2) [m/s].
+
+    An intensity that is NaN is the record's own.
+    """
+    recorded, own = record.times_s.size > 0, math.isnan(intensity)
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         u, v = mean[e, 0], mean[e, 1]
         ahead = beside = 0.0
-        if intensity > 0.0 and (recorded or u * u + v * v > 0.0):
+        if own or (intensity > 0.0 and (recorded or u * u + v * v > 0.0)):
             ahead, beside = gauss_markov_pair(gust_keys[e], t_s[e] / tau_s)
         along, aside = 1.0 + intensity * ahead, intensity * CROSSWIND_RATIO * beside
         wind_u, wind_v = along * u - aside * v, along * v + aside * u
         for p in range(xy.shape[1]):
             share = 1.0
             if recorded:
-                u, v = recorded_velocity(record, e, t_s[e], xy[e, p, 0], xy[e, p, 1])
+                u, v, gusts = recorded_velocity(record, e, t_s[e], xy[e, p, 0], xy[e, p, 1])
+                if own:
+                    along, aside = 1.0 + gusts * ahead, gusts * CROSSWIND_RATIO * beside
                 wind_u, wind_v = along * u - aside * v, along * v + aside * u
             if shelter.length_m > 0.0:
                 share = wind_share(shelter, xy[e, p, 0], xy[e, p, 1], u, v)
@@ -108,7 +120,7 @@ def _current(
         for p in range(xy.shape[1]):
             u, v = free_u, free_v
             if record.times_s.size > 0:
-                more_u, more_v = recorded_velocity(record, e, t_s[e], xy[e, p, 0], xy[e, p, 1])
+                more_u, more_v, _ = recorded_velocity(record, e, t_s[e], xy[e, p, 0], xy[e, p, 1])
                 u, v = free_u + more_u, free_v + more_v
             if patches.size:
                 out[e, p, 0], out[e, p, 1] = stream_velocity(
@@ -209,8 +221,7 @@ class Forcing:
             recorded = read_record(weather.file)
             starts = starts_of(recorded, weather.start, keys, long_s)
             about = starts, graph, place
-            rise = (weather.height_m / weather.record_height_m) ** weather.shear_exponent
-            winds = on_map(recorded, "wind", *about, rise)
+            winds = on_map(recorded, "wind", *about, rise_of(recorded, weather))
             currents = on_map(recorded, "current", *about)
             if winds is not NO_RECORD and weather.wind_speed_mps is not None:
                 raise UserError(
@@ -251,7 +262,9 @@ class Forcing:
 
     def __post_init__(self) -> None:
         weather, flow = self.weather, self._flow
-        gusts = self._gust_keys, weather.gust_intensity, weather.gust_tau_s
+        own = math.nan if self._winds.velocity.shape[-1] > 2 else 0.0
+        intensity = own if weather.gust_intensity is None else weather.gust_intensity
+        gusts = self._gust_keys, intensity, weather.gust_tau_s
         none, mean = (self._gust_keys, 0.0, 1.0), self.mean_wind_mps
         wander = self.mean_current_mps, self._current_keys, weather.current_wander_mps
         streams = flow.patches, flow.spacing_m, flow.corner_m

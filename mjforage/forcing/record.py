@@ -12,20 +12,24 @@ from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.forcing.record_files import Recorded, read_record, seconds_of
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.scenario.bearings import direction
-from mjforage.scenario.place import Place
-from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.place import Place, projection
+from mjforage.scenario.scenario import Scenario, Weather
 
 FloatArray = NDArray[np.float64]
 _DIGITS = 12  # of a place in a grid: the last ones differ from one processor to another
 _START = 1001  # step of a drawn start in its stream, away from the other draws
+_USUAL_M = 10.0  # height of a wind whose height nobody tells
 _TRIES = 64  # draws of a start from all of the record, before those from what fits alone
 
 
 class Record(NamedTuple):
-    """Velocities of air or water on a grid in the frame of a map; no times: there is none."""
+    """Velocities of air or water on a grid in the frame of a map; no times: there is none.
+
+    Of a wind with gusts of its own a third value is their standard deviation over its speed.
+    """
 
     times_s: FloatArray  # (time,) since the record begins
-    velocity: FloatArray  # (time, row, column, 2) in (x, y) [m/s]
+    velocity: FloatArray  # (time, row, column, 2 or 3) in (x, y) [m/s]
     cell: FloatArray  # (2, 3) row and column of the grid are this times (x, y, 1)
     starts_s: FloatArray  # (episode,) when in the record each episode begins
 
@@ -44,22 +48,26 @@ def _between(place: float, count: int) -> tuple[int, int, float]:
 @kernel
 def recorded_velocity(
     record: Record, e: int, t_s: float, x: float, y: float
-) -> tuple[float, float]:
-    """Velocity at a time of episode e [s] and a place [m]; the record's ends hold beyond it."""
+) -> tuple[float, float, float]:
+    """Velocity, and gusts over it, at a time of episode e [s] and a place [m]; the record's ends
+    hold beyond it.
+    """
     times, cell = record.times_s, record.cell
     now = min(max(record.starts_s[e] + t_s, times[0]), times[-1])
     i = min(max(np.searchsorted(times, now, side="right") - 1, 0), times.size - 2)
     late = (now - times[i]) / (times[i + 1] - times[i])
     r0, r1, down = _between(cell[0, 0] * x + cell[0, 1] * y + cell[0, 2], record.velocity.shape[1])
     c0, c1, over = _between(cell[1, 0] * x + cell[1, 1] * y + cell[1, 2], record.velocity.shape[2])
-    u = v = 0.0
+    u = v = gusts = 0.0
     for time, of_time in ((i, 1.0 - late), (i + 1, late)):
         for row, of_row in ((r0, 1.0 - down), (r1, down)):
             for column, of_column in ((c0, 1.0 - over), (c1, over)):
                 share = of_time * of_row * of_column
                 u += share * record.velocity[time, row, column, 0]
                 v += share * record.velocity[time, row, column, 1]
-    return u, v
+                if record.velocity.shape[3] > 2:
+                    gusts += share * record.velocity[time, row, column, 2]
+    return u, v, gusts
 
 
 @kernel
@@ -129,7 +137,7 @@ def on_map(
     place: Place | None,
     factor: float = 1.0,
 ) -> Record:
-    """The wind or the current of a record on a map, its velocities times a factor.
+    """The wind, with its gusts, or the current of a record on a map, its velocities times a factor.
 
     Raises
     ------
@@ -141,10 +149,12 @@ def on_map(
         return NO_RECORD
     turn = direction(place.rotation_deg) if place else 0.0
     east, north = factor * east_north[..., 0], factor * east_north[..., 1]
+    gusts = recorded.gusts if part == "wind" else None
     velocity = np.stack(
         (
             east * math.cos(turn) - north * math.sin(turn),
             east * math.sin(turn) + north * math.cos(turn),
+            *(() if gusts is None else (gusts,)),
         ),
         axis=-1,
     )
@@ -163,17 +173,49 @@ def _cells(recorded: Recorded, graph: NavigationGraph, place: Place) -> FloatArr
     """(2, 3) row and column of a record's grid by (x, y, 1): linear, as a place is small."""
     rows, columns = graph.shape
     corners = np.array([(r, c) for r in (-0.5, rows - 0.5) for c in (-0.5, columns - 0.5)])
-    found, latlon = [], place.latlon(corners)
-    for axis, name in enumerate(("latitude", "longitude")):
-        at, degrees = latlon[:, axis], getattr(recorded, name)
-        if axis == 1:
-            at = degrees[0] + (at - degrees[0]) % 360.0
+    found, (lat, lon) = [], place.latlon(corners).T
+    known = recorded.latitude, recorded.longitude
+    turns = np.round((0.5 * (known[1][0] + known[1][-1]) - lon[0]) / 360.0)
+    lon = lon[0] + (lon - lon[0] + 180.0) % 360.0 - 180.0 + 360.0 * turns
+    for at, degrees in zip((lat, lon), known, strict=True):
         if degrees.size > 1 and (at.min() < degrees[0] or at.max() > degrees[-1]):
+            (south, north), (west, east) = (each[[0, -1]] for each in known)
             raise UserError(
-                f"{recorded.name}: its {name} from {degrees[0]:g} to {degrees[-1]:g} does not "
-                f"cover the map, {at.min():.5g} to {at.max():.5g}; give a larger grid"
+                f"{recorded.name}: its grid, latitude {south:g} to {north:g} and longitude "
+                f"{west:g} to {east:g}, does not cover the map about {place.latitude_deg:.5g}, "
+                f"{place.longitude_deg:.5g}; give a larger grid, or one of that place"
             )
         found.append((at - degrees[0]) / (degrees[1] - degrees[0]) if degrees.size > 1 else 0 * at)
     metres = np.column_stack((graph.metres(corners), np.ones(4)))
     cell = np.linalg.lstsq(metres, np.column_stack(found), rcond=None)[0].T
     return np.ascontiguousarray(np.round(cell, _DIGITS))
+
+
+def far_km(recorded: Recorded, place: Place) -> float:
+    """Distance of a record of one point, or of one latitude or longitude, from a place; 0 if the
+    record does not tell it.
+    """
+    middle = place.latitude_deg, place.longitude_deg
+    known = (recorded.latitude, recorded.longitude)
+    lat, lon = (
+        own[0] if own.size == 1 and np.isfinite(own[0]) else here
+        for own, here in zip(known, middle, strict=True)
+    )
+    return math.hypot(*projection(*middle).transform(lon, lat)) / 1000.0
+
+
+def rise_of(recorded: Recorded, weather: Weather) -> float:
+    """Speed at `height_m` over that of the record, by the power law.
+
+    Raises
+    ------
+    UserError
+        If the scenario gives another height of the record than its file.
+    """
+    given, own = weather.record_height_m, recorded.height_m
+    if given is not None and own is not None and given != own:
+        raise UserError(
+            f"weather.record_height_m = {given:g}: {recorded.name} has its wind at {own:g} m; "
+            "leave out the key"
+        )
+    return float((weather.height_m / (given or own or _USUAL_M)) ** weather.shear_exponent)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,9 @@ FloatArray = NDArray[np.float64]
 LONGEST_S = 3600.0  # between two times
 COLUMNS = "time", "wind_speed_mps", "wind_from_deg", "current_speed_mps", "current_to_deg"
 _MISSING = {"speed": (99.0, 999.0), "direction": (999.0,)}  # NDBC's; 99 degrees is a direction
+MEANS_OVER_GUSTS = 600.0 / 3.0, 480.0 / 5.0
+"""Time of a mean over that of a gust: 10 min and 3 s by WMO, 8 min and 5 s of NDBC's buoys."""
+_STRONGEST = 0.5  # intensity of gusts
 _FASTEST = {"wind": 75.0, "current": 10.0}  # [m/s] of what is taken for a speed
 _NDBC = {"YY": "year", "YYYY": "year", "MM": "month", "DD": "day", "hh": "hour", "mm": "minute"}
 
@@ -36,8 +40,20 @@ class Recorded:
     times_s: FloatArray  # (time,) UTC, since 1970
     wind: FloatArray | None  # (time, row, column, 2) where the air goes, east and north [m/s]
     current: FloatArray | None  # alike of the water
-    latitude: FloatArray  # (row,) ascending; of one point without meaning
-    longitude: FloatArray  # (column,)
+    latitude: FloatArray  # (row,) ascending; NaN of a point at an unknown place
+    longitude: FloatArray  # (column,) ascending without a jump, so that it may go beyond 180
+    gusts: FloatArray | None = None  # (time, row, column) standard deviation over the wind's speed
+    height_m: float | None = None  # of the wind above the water, if the file has it
+
+
+class Content(NamedTuple):
+    """What a reader finds in a file; fields as those of `Recorded`."""
+
+    times_s: FloatArray
+    parts: dict[str, FloatArray]  # wind, current and gusts
+    latitude: FloatArray = np.full(1, np.nan)
+    longitude: FloatArray = np.full(1, np.nan)
+    height_m: float | None = None
 
 
 def read_record(file: str) -> Recorded:
@@ -64,7 +80,7 @@ def _read(path: Path, _changed: int, _size: int) -> Recorded:
     if content[:4] in (b"CDF\x01", b"CDF\x02", b"\x89HDF"):
         from mjforage.forcing.record_netcdf import netcdf_parts  # xarray where it is wanted
 
-        times, parts, latitude, longitude = netcdf_parts(path, content[:3] == b"CDF", name)
+        found = netcdf_parts(path, content[:3] == b"CDF", name)
     else:
         try:
             lines = content.decode("utf-8-sig").splitlines()
@@ -72,14 +88,18 @@ def _read(path: Path, _changed: int, _size: int) -> Recorded:
             raise UserError(f"{name}: is neither NetCDF nor UTF-8 text; give a CSV file") from error
         read = _csv if lines and "," in lines[0] else _ndbc
         try:
-            times, parts = _columns(list(read(lines, name)), name)
+            found = _columns(list(read(lines, name)), name)
         except csv.Error as error:
             raise UserError(f"{name}: is no CSV that can be read ({error})") from error
-        latitude = longitude = np.zeros(1)
+    times, parts, gusts = found.times_s, found.parts, found.parts.pop("gusts", None)
     if not parts:
         raise UserError(f"{name}: has neither wind nor current; give {', '.join(COLUMNS)}")
     kept = np.logical_and.reduce([np.isfinite(p).all(axis=(1, 2, 3)) for p in parts.values()])
     times, parts = times[kept], {key: np.ascontiguousarray(p[kept]) for key, p in parts.items()}
+    if gusts is not None and np.isfinite(gusts := gusts[kept]).any():
+        gusts = np.where(np.isfinite(gusts), gusts, np.nanmedian(gusts))
+    else:
+        gusts = None
     if times.size < 2:
         raise UserError(f"{name}: has {times.size} times with all values, at least 2 are needed")
     apart = np.diff(times)
@@ -97,7 +117,8 @@ def _read(path: Path, _changed: int, _size: int) -> Recorded:
         if (most := np.hypot(velocity[..., 0], velocity[..., 1]).max()) > _FASTEST[part]:
             raise UserError(f"{name}: a {part} of {most:.4g} m/s; check its units")
     sha = hashlib.sha256(content).hexdigest()
-    return Recorded(name, sha, times, parts.get("wind"), parts.get("current"), latitude, longitude)
+    about = parts.get("wind"), parts.get("current"), found.latitude, found.longitude
+    return Recorded(name, sha, times, *about, gusts, found.height_m)
 
 
 Row = tuple[float, dict[str, float]]  # time [s], column -> value, NaN where it is missing
@@ -189,14 +210,15 @@ def _ndbc(lines: Sequence[str], name: str) -> Iterator[Row]:
         values = {
             "wind_speed_mps": _number(row["WSPD"], "speed", f"{where}: WSPD"),
             "wind_from_deg": _number(row["WDIR"], "direction", f"{where}: WDIR"),
+            "gust_mps": _number(row.get("GST", ""), "speed", f"{where}: GST"),
         }
         rows.append((when.timestamp(), values))
     backwards = len(rows) > 1 and rows[0][0] > rows[-1][0]  # the newest first, as of real time
     yield from reversed(rows) if backwards else rows
 
 
-def _columns(rows: Sequence[Row], name: str) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Times, and velocities (time, 1, 1, 2) of wind and current."""
+def _columns(rows: Sequence[Row], name: str) -> Content:
+    """Times, velocities (time, 1, 1, 2) of wind and current, and gusts."""
     times, parts = np.array([time for time, _ in rows]), {}
     for part, bearing in (("wind", "from"), ("current", "to")):
         names = f"{part}_speed_mps", f"{part}_{bearing}_deg"
@@ -209,7 +231,23 @@ def _columns(rows: Sequence[Row], name: str) -> tuple[FloatArray, dict[str, Floa
         if (speed < 0.0).any() or (np.abs(degrees) > 360.0).any():
             raise UserError(f"{name}: {names[0]} below 0, or {names[1]} beyond 360")
         parts[part] = along(speed, degrees, part)[:, None, None]
-    return times, parts
+    if rows and "gust_mps" in rows[0][1]:
+        gust = np.array([row["gust_mps"] for _, row in rows])[:, None, None]
+        parts["gusts"] = intensity(gust, parts["wind"], MEANS_OVER_GUSTS[1])
+    return Content(times, parts)
+
+
+def intensity(gust_mps: FloatArray, wind: FloatArray, means_over_gusts: float) -> FloatArray:
+    """(...) standard deviation of gusts over the speed of a wind (..., 2); NaN where unknown.
+
+    The strongest gust is 1 + I / 2 ln(T / t) of the mean, by the intensity I and the times T of
+    the mean and t of the gust (Ishizaki, "Wind profiles, turbulence intensities and gust factors
+    for design in typhoon-prone regions", J. Wind Eng. Ind. Aerodyn. 13, 1983).
+    """
+    speed = np.hypot(wind[..., 0], wind[..., 1])
+    factor = gust_mps / np.where(speed > 0.0, speed, np.nan)
+    found: FloatArray = (factor - 1.0) / (0.5 * math.log(means_over_gusts))
+    return found.clip(0.0, _STRONGEST)
 
 
 def along(speed: FloatArray, degrees: FloatArray, part: str) -> FloatArray:

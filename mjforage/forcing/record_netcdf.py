@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
+from mjforage.forcing.record_files import MEANS_OVER_GUSTS, Content, intensity
 
 FloatArray = NDArray[np.float64]
 _MPS = {
@@ -25,14 +26,17 @@ _POLAR = {
     "wind": ("wind_speed", ("wind_from_direction", "wind_to_direction")),
     "current": ("sea_water_speed", ("sea_water_to_direction", "sea_water_from_direction")),
 }
-_ERA5 = {"u10": "eastward_wind", "v10": "northward_wind"}
+_GUST = "wind_speed_of_gust"
+_ERA5 = {"u10": "eastward_wind", "v10": "northward_wind", "i10fg": _GUST}
+_SHORT = {"lat": "latitude", "lon": "longitude"}
+_METRES = "m", "metre", "meter", "metres", "meters"
 _ALONG_GRID = "x_wind", "y_wind", "sea_water_x_velocity", "sea_water_y_velocity"
 _ZONE = re.compile(r"[0-9 ](?!UTC|GMT|Z$|T[0-9])[A-Z]{2,5}$")  # a zone by its name
-Parts = tuple[FloatArray, dict[str, FloatArray], FloatArray, FloatArray]
+_LOWEST_M, _HIGHEST_M = 0.5, 200.0  # of a recorded wind
 
 
-def netcdf_parts(path: Path, classic: bool, name: str) -> Parts:
-    """Times since 1970 [s], velocities (time, row, column, 2) by part, latitudes and longitudes.
+def netcdf_parts(path: Path, classic: bool, name: str) -> Content:
+    """Content of a file: velocities (time, row, column, 2) by part, and what is known of them.
 
     Raises
     ------
@@ -61,7 +65,7 @@ def netcdf_parts(path: Path, classic: bool, name: str) -> Parts:
             f"{name}: has velocities along the axes of its grid ({', '.join(askew)}); "
             "rotate them to east and north, for example with cdo rotuvb"
         )
-    found: dict[str, tuple[Any, Any]] = {}
+    found: dict[str, tuple[Any, ...]] = {}
     for part, names in _COMPONENTS.items():
         if all(key in fields for key in names):
             east, north = (fields[key] for key in names)
@@ -87,11 +91,13 @@ def netcdf_parts(path: Path, classic: bool, name: str) -> Parts:
         known = ", ".join(sorted(fields))[:80]
         raise UserError(f"{name}: has neither wind nor current by a CF standard name, but {known}")
     grid = next(iter(found.values()))[0]
-    for parts in found.values():
-        own = parts[0]
+    if "wind" in found and _GUST in fields:
+        found["gusts"] = (_speed(_regular(fields[_GUST], name), name),)
+    for part, each in found.items():
+        own = each[0]
         alike = own.dims == grid.dims and own.shape == grid.shape
         if not alike or any((own[axis].values != grid[axis].values).any() for axis in grid.dims):
-            raise UserError(f"{name}: wind and current are on different grids; give one of them")
+            raise UserError(f"{name}: wind and {part} are on different grids; give one of them")
     since = str(grid[grid.dims[0]].encoding.get("units", ""))
     if _ZONE.search(since):
         raise UserError(f"{name}: its time is in {since!r}; give times in UTC")
@@ -99,9 +105,12 @@ def netcdf_parts(path: Path, classic: bool, name: str) -> Parts:
     if not np.issubdtype(times.dtype, np.datetime64):
         raise UserError(f"{name}: its time has no units such as hours since 1900-01-01")
     latitude, longitude = (
-        np.asarray(grid[axis].values, np.float64) if axis in grid.dims else np.zeros(1)
+        np.asarray(grid[axis].values, np.float64) if axis in grid.dims else _alone(data, axis)
         for axis in ("latitude", "longitude")
     )
+    order, longitude = _unrolled(longitude)
+    if "longitude" in grid.dims:
+        found = {part: tuple(one.isel(longitude=order) for one in found[part]) for part in found}
     for axis, degrees in (("latitude", latitude), ("longitude", longitude)):
         step = np.diff(degrees)
         if degrees.size > 1 and not np.allclose(step, step[0], rtol=1e-3):
@@ -109,7 +118,62 @@ def netcdf_parts(path: Path, classic: bool, name: str) -> Parts:
                 f"{name}: its {axis} is not evenly spaced; regrid it, as with cdo remapbil"
             )
     seconds = times.astype("datetime64[ms]").astype(np.float64) / 1000.0
-    return seconds, {part: _stacked(pair) for part, pair in found.items()}, latitude, longitude
+    parts = {part: _stacked(each) for part, each in found.items()}
+    if "gusts" in parts:
+        gust = parts["gusts"][..., 0]
+        parts["gusts"] = intensity(gust, parts["wind"], MEANS_OVER_GUSTS[0])
+    height_m = _height_m(fields, name) if "wind" in parts else None
+    return Content(seconds, parts, latitude, longitude, height_m)
+
+
+def _alone(data: Any, axis: str) -> FloatArray:
+    """(1,) latitude or longitude of a file of one of them; NaN if it is not told."""
+    for key, one in data.variables.items():
+        if one.size == 1 and axis in (one.attrs.get("standard_name"), key, _SHORT.get(str(key))):
+            return np.asarray(one.values, np.float64).reshape(1)
+    return np.full(1, np.nan)
+
+
+def _unrolled(longitude: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+    """Order in which longitudes ascend without a jump, wherever they are cut, and they themselves.
+
+    A whole circle goes on at both ends, so that all places are within it.
+    """
+    if longitude.size == 1:
+        return np.zeros(1, np.intp), longitude
+    circle, order = np.unique(longitude % 360.0, return_index=True)
+    gaps = np.diff(circle, append=circle[0] + 360.0)
+    first = 0 if _whole(gaps) else (int(gaps.argmax()) + 1) % circle.size
+    place = np.arange(first - _whole(gaps), first + circle.size + 2 * _whole(gaps))
+    turns, place = np.divmod(place, circle.size)
+    return order[place], circle[place] + 360.0 * turns
+
+
+def _whole(gaps: FloatArray) -> bool:
+    return bool(gaps.max() < 1.5 * gaps.min())
+
+
+def _height_m(fields: dict[str, Any], name: str) -> float | None:
+    """Height of the wind above the water, a coordinate of one value; None if it is not told."""
+    wind = next(fields[key] for key in ("eastward_wind", "wind_speed") if key in fields)
+    known = {
+        str(key): one
+        for key, one in wind.coords.items()
+        if one.size == 1 and "height" in (key, one.attrs.get("standard_name"))
+    }
+    own = str(wind.encoding.get("coordinates", "")).split()  # xarray gives it those of others too
+    for key in sorted(known, key=lambda key: (key not in own, key != "height")):
+        units, height_m = (
+            known[key].attrs.get("units", "m"),
+            float(known[key].values.reshape(-1)[0]),
+        )
+        if units not in _METRES or not _LOWEST_M <= height_m <= _HIGHEST_M:
+            raise UserError(
+                f"{name}: its wind is at a height of {height_m:g} {units}; give {_LOWEST_M:g} to "
+                f"{_HIGHEST_M:g} m"
+            )
+        return height_m
+    return None
 
 
 def _standard(key: str, field: Any) -> str:
@@ -172,12 +236,11 @@ def _degrees(field: Any, name: str) -> Any:
     return field
 
 
-def _stacked(pair: tuple[Any, Any]) -> FloatArray:
-    """(time, row, column, 2); what is missing at all times, land, has the nearest value."""
-    east, north = (np.asarray(one.values, np.float64) for one in pair)
-    values = np.stack((east, north), axis=-1)
+def _stacked(fields: tuple[Any, ...]) -> FloatArray:
+    """(time, row, column, field); what is missing at all times, land, has the nearest value."""
+    values = np.stack([np.asarray(one.values, np.float64) for one in fields], axis=-1)
     for axis, kind in ((1, "latitude"), (2, "longitude")):
-        if kind not in pair[0].dims:
+        if kind not in fields[0].dims:
             values = np.expand_dims(values, axis)
     land = np.isnan(values).any(axis=-1).all(axis=0)
     if land.any() and not land.all():

@@ -59,7 +59,7 @@ def _move(
 def graph_scenario(scenario: Scenario) -> Scenario:
     """The scenario without gusts, and without currents where the paper's rule lets items drift."""
     weather = scenario.weather if scenario.weather.forced else scenario.weather.over_still_water()
-    return replace(scenario, weather=replace(weather, gust_intensity=0.0))
+    return replace(scenario, weather=weather.without_gusts())
 
 
 class GraphDynamics:

@@ -7,6 +7,7 @@ import numpy as np
 
 from mjforage.controllers.legs import REACTION_S
 from mjforage.forcing import LEEWAY
+from mjforage.forcing.record import far_km
 from mjforage.forcing.record_files import read_record
 from mjforage.mission.setup import Setup
 from mjforage.physics.scaled_vessels import scaled
@@ -14,6 +15,7 @@ from mjforage.physics.vessel_models import damping_rates, decision_s, full_speed
 from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
 from mjforage.physics.worlds import WORLDS
 from mjforage.scenario.faults import Faults
+from mjforage.scenario.place import Place
 from mjforage.scenario.scenario import POSITIONING_KEYS, Physics, Scenario, Sensors, Weather
 from mjforage.scenario.vessel_files import hull_names
 
@@ -25,6 +27,10 @@ FENDER_STEP_S = 0.02  # longest in which Runge-Kutta has the fenders of `simulat
 CURRENTS = ("current_speed_mps", "current_wander_mps", "circulation_mps")
 FORCED = ("shelter_height_m", *CURRENTS, "item_classes")
 """Keys that forced items of the graph world feel."""
+FAR_KM = 50.0  # a record from so far away is told
+OF_NO_WIND = "record_height_m", "height_m", "shear_exponent"
+OF_NO_RECORD = "drift_node_per_step", "drift_ranges_node_per_step"
+"""Keys without effect beside a record without a wind, and beside one with a wind."""
 PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics | Faults, tuple[str, ...]], ...] = (
     (
         "weather",
@@ -43,6 +49,7 @@ def run_warnings(setup: Setup, worlds: Sequence[str]) -> tuple[str, ...]:
     scenario = setup.scenario
     adapted = [WORLDS[world].adapt(scenario) for world in worlds if world != "graph"]
     lines = [*_unfelt_keys(scenario, worlds, adapted), *_still_items(adapted)]
+    lines += _of_record(scenario.weather, setup.grid.place)
     lines += _soft_fenders(scenario.physics) if adapted else ()
     for vessel, teams in _vessels(setup).items() if adapted else ():
         where = f"vessel {vessel.name} of {' and '.join(teams)}"
@@ -63,13 +70,39 @@ def _unfelt_keys(
         f"{table}.{key}"
         for table, nothing, keys in PHYSICAL
         for key in keys
-        if getattr(getattr(scenario, table), key) != getattr(nothing, key)
+        if (getattr(getattr(scenario, table), key) or None) != (getattr(nothing, key) or None)
         and not any(_feels(each, scenario, table, key) for each in adapted)
         and not ("graph" in worlds and scenario.weather.forced and key in FORCED)
     ]
     if unfelt:
         names = " nor ".join(worlds)
         yield f"{', '.join(unfelt)}: not felt in world {names}, and without effect in this run"
+
+
+def _of_record(weather: Weather, place: Place | None) -> Iterator[str]:
+    """A record from elsewhere, one without a wind, and keys that say nothing beside it."""
+    if weather.file is None:
+        return
+    recorded = read_record(weather.file)
+    if place is not None and (away := far_km(recorded, place)) > FAR_KM:
+        there = f"{recorded.latitude[0]:.5g}, {recorded.longitude[0]:.5g}"
+        yield (
+            f"{recorded.name}: is of {there}, {away:.0f} km from the place at "
+            f"{place.latitude_deg:.5g}, {place.longitude_deg:.5g}; give one from nearer by"
+        )
+    nothing, has = Weather(), "no wind" if recorded.wind is None else "the wind"
+    unused = [
+        f"weather.{key}"
+        for key in (OF_NO_WIND if recorded.wind is None else OF_NO_RECORD)
+        if getattr(weather, key) != getattr(nothing, key)
+    ]
+    if unused:
+        yield f"{', '.join(unused)}: without effect, as {recorded.name} has {has}; leave it out"
+    if recorded.wind is None and weather.wind_speed_mps is None:
+        yield (
+            f"{recorded.name}: has no wind, so that weather.drift_node_per_step gives one; give "
+            "weather.wind_speed_mps, 0 for a calm"
+        )
 
 
 def _still_items(adapted: Sequence[Scenario]) -> Iterator[str]:

@@ -65,8 +65,7 @@ def _whole(scenario: Scenario) -> Scenario:
 def _without_noise(scenario: Scenario) -> Scenario:
     kept = {name: getattr(Sensors, name) for name in POSITIONING_KEYS}
     exact = replace(scenario.sensors, **kept, camera_noise_m=0.0)
-    calm = replace(scenario.weather, gust_intensity=0.0)
-    return replace(scenario, weather=calm, sensors=exact)
+    return replace(scenario, weather=scenario.weather.without_gusts(), sensors=exact)
 
 
 def _without_intake(scenario: Scenario) -> Scenario:

@@ -115,8 +115,8 @@ class Weather:
     and drift, a recorded current adds to the others; both are of open water."""
     start: str | None = None
     """Time of the record at which episodes begin, ISO 8601 in UTC; absent: drawn per episode."""
-    record_height_m: Annotated[float, Within(0.5, 200, "m")] = 10.0
-    """Height of the recorded wind above the water."""
+    record_height_m: Annotated[float, Within(0.5, 200, "m")] | None = None
+    """Height of the recorded wind above the water; absent: as the file says, else 10."""
     height_m: Annotated[float, Within(0.1, 200, "m")] = 10.0
     """Height to which a recorded wind is brought; leeways are shares of the wind at 10 m."""
     shear_exponent: Annotated[float, Within(0, 0.5), _SHEAR] = 0.14
@@ -133,8 +133,9 @@ class Weather:
     key."""
     noise_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.09
     """Independent drift per item and step, uniform in +- this per axis."""
-    gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0
-    """Standard deviation of the gusts along the wind, over its speed; 0.1-0.2 is usual."""
+    gust_intensity: Annotated[float, Within(0, 0.5)] | None = None
+    """Standard deviation of the gusts along the wind, over its speed (0.1-0.2 is usual); absent:
+    the record's own, else 0."""
     gust_tau_s: Annotated[float, Within(1e-2, 1e4, "s")] = 2.0
     """Correlation time of the gusts."""
     current_speed_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
@@ -153,6 +154,11 @@ class Weather:
     def forced(self) -> bool:
         """True if wind and current carry items at graph level too."""
         return self.drift == "forced" or (self.drift is None and self.file is not None)
+
+    def without_gusts(self) -> "Weather":
+        """The same wind without gusts; itself if there are none."""
+        none = self.gust_intensity == 0.0 or (self.gust_intensity is None and self.file is None)
+        return self if none else replace(self, gust_intensity=0.0)
 
     def over_still_water(self) -> "Weather":
         """The same wind without a current."""

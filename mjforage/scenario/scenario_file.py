@@ -20,7 +20,14 @@ from mjforage.scenario.faults import check_faults
 from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
 from mjforage.scenario.place import is_place
-from mjforage.scenario.scenario import POSITIONING_KEYS, SCAN_BYTES, Link, Scenario, Sensors
+from mjforage.scenario.scenario import (
+    POSITIONING_KEYS,
+    SCAN_BYTES,
+    Link,
+    Scenario,
+    Sensors,
+    Weather,
+)
 from mjforage.scenario.schema import NAME, check, rows, shown
 
 Tree = dict[str, Any]
@@ -256,8 +263,10 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             f"{where}: weather.wind_from_deg = {origin:g} without a wind; give "
             "weather.wind_speed_mps too"
         )
-    if scenario.weather.file is None and scenario.weather.start is not None:
-        raise UserError(f"{where}: weather.start without a record; give weather.file too")
+    of_record = ("start", "record_height_m", "height_m", "shear_exponent")
+    unused = [k for k in of_record if getattr(scenario.weather, k) != getattr(Weather(), k)]
+    if scenario.weather.file is None and unused:
+        raise UserError(f"{where}: weather.{unused[0]} without a record; give weather.file too")
     if scenario.weather.file is not None and scenario.weather.drift == "constant":
         raise UserError(
             f"{where}: weather.drift = 'constant' with weather.file: a recorded wind changes; "

@@ -173,6 +173,82 @@ def test_old_and_new_files_of_era5_give_equal_bits(tmp_path: Path) -> None:
     assert np.hypot(*wind[0]) == pytest.approx(np.hypot(4.0, 1.0), abs=0.2)
 
 
+def test_a_grid_may_be_cut_anywhere(tmp_path: Path) -> None:
+    """At Greenwich, at 180 degrees, or going round: the wind on the map is that of the globe."""
+    for middle, width in ((0.0, 2.0), (180.0, 2.0), (-76.48, 2.0), (0.1, 358.0), (-0.01, 358.0)):
+        step = 2.0 if width > 9.0 else 0.5
+        lon = np.arange(middle - 0.5 * width, middle + 0.5 * width + step / 2, step)
+        for cut in (lon % 360.0, (lon + 180.0) % 360.0 - 180.0):
+            data = grid().interp(longitude=np.linspace(-76.5, -76.46, lon.size))
+            turned = np.cos(np.radians(cut)) * xarray.ones_like(data.f2)
+            turned = turned.assign_attrs(data.f2.attrs)
+            data = data.assign(f2=turned).assign_coords(longitude=cut).sortby("longitude")
+            place = Place(38.97, middle, 4.0, 61, 61)
+            given = Weather(file=saved(tmp_path, data), start="2024-06-01T00:00")
+            found = Forcing.create(given, KEYS, SEA, 10.0, place).open_water(0.0).wind[0, 0]
+            assert found == pytest.approx(np.cos(np.radians(middle)), abs=2e-4), (middle, cut)
+
+
+def test_a_grid_of_one_latitude_is_the_same_to_north_and_south(tmp_path: Path) -> None:
+    line = grid().isel(latitude=[4])
+    one, all_of_it = (forcing_of(saved(tmp_path, data)) for data in (line, grid()))
+    there = np.array([[[60.0, 120.0], [200.0, 120.0]]]).repeat(3, axis=0)
+    found, along = one.wind(0.0, there), all_of_it.wind(0.0, there)
+    assert found[0, 0, 0] != found[0, 1, 0]
+    np.testing.assert_allclose(found, along, atol=0.05)
+    assert read_record(saved(tmp_path, line)).latitude == pytest.approx(38.97)
+
+
+def at_height(data: xarray.Dataset, height: float, units: str = "m") -> xarray.Dataset:
+    told = {"units": units, "standard_name": "height"}
+    return data.assign_coords(height_2=((), height, told))
+
+
+def test_a_wind_is_brought_from_the_height_that_its_file_tells(tmp_path: Path) -> None:
+    plain = forcing_of(saved(tmp_path, grid())).open_water(0.0).wind
+    low = forcing_of(saved(tmp_path, at_height(grid(), 2.0))).open_water(0.0).wind
+    np.testing.assert_allclose(low, plain * 5.0**0.14)
+    deep = at_height(grid(), 2.0).expand_dims("height_2")
+    np.testing.assert_array_equal(forcing_of(saved(tmp_path, deep)).open_water(0.0).wind, low)
+    same = forcing_of(saved(tmp_path, at_height(grid(), 2.0)), record_height_m=2.0)
+    np.testing.assert_array_equal(same.open_water(0.0).wind, low)
+    with pytest.raises(UserError, match=r"record_height_m = 3: record .* has its wind at 2 m"):
+        forcing_of(saved(tmp_path, at_height(grid(), 2.0)), record_height_m=3.0)
+    for height, units in ((0.0, "m"), (30.0, "ft")):
+        with pytest.raises(UserError, match=f"its wind is at a height of {height:g} {units}; give"):
+            read_record(saved(tmp_path, at_height(grid(), height, units)))
+
+
+GUST = {"units": "m s-1", "standard_name": "wind_speed_of_gust"}
+
+
+def test_gusts_are_those_that_a_record_has(tmp_path: Path) -> None:
+    """By Ishizaki's rule, in the world with gusts, unless the scenario gives others."""
+    data = grid()
+    speed = np.hypot(data.f2, data.f3)
+    data = data.assign(g=(1.3 * speed).assign_attrs(GUST))
+    file, own = saved(tmp_path, data), 0.3 / (0.5 * np.log(200.0))
+    gusty, other, calm = (
+        forcing_of(file, **more) for more in ({}, {"gust_intensity": own}, {"gust_intensity": 0.0})
+    )
+    there = np.array([[[60.0, 120.0], [200.0, 30.0]]]).repeat(3, axis=0)
+    np.testing.assert_allclose(gusty.wind(50.0, there), other.wind(50.0, there), atol=1e-12)
+    assert np.abs(gusty.wind(50.0, there) - calm.wind(50.0, there)).max() > 0.1
+    for mean in (
+        gusty.open_water(50.0, gusts=False),
+        Forcing.create(gusty.weather.without_gusts(), KEYS, SEA, 10.0, PLACE).open_water(50.0),
+    ):
+        np.testing.assert_array_equal(mean.wind, calm.open_water(50.0).wind)
+    buoy = read(tmp_path, NDBC.replace("MM   MM   6.0", "225  2.0  MM"))
+    assert buoy.gusts is not None
+    excess = np.array([0.25, 0.225, 0.2])  # the middle one is missing
+    np.testing.assert_allclose(buoy.gusts[:, 0, 0], excess / (0.5 * np.log(96.0)))
+    assert read(tmp_path, STEADY).gusts is None
+    elsewhere = data.assign(g=data.g.isel(latitude=slice(4)).rename(latitude="lat"))
+    with pytest.raises(UserError, match="wind and gusts are on different grids"):
+        read_record(saved(tmp_path, elsewhere))
+
+
 NDBC = """#YY  MM DD hh mm WDIR WSPD GST
 #yr  mo dy hr mn degT m/s  m/s
 2024 06 01 02 00 180  5.0  6.0
@@ -406,7 +482,7 @@ def test_a_record_that_does_not_fit_its_mission_is_refused(tmp_path: Path) -> No
         ({"file": wind}, (*bay, 9e4), "shorter than an episode of 25 h"),
         ({"file": wind}, (pond, 10.0), "the map has no water at its edge"),
         ({"file": saved(tmp_path, grid())}, (SEA, 10.0), "the map has no latitude and longitude"),
-        ({"file": far}, bay, "its latitude from 0 to 8 does not cover the map"),
+        ({"file": far}, bay, r"latitude 0 to 8 and .* does not cover the map about 38.97, -76.48"),
     ]
     for weather, about, words in cases:
         with pytest.raises(UserError, match=words):

@@ -8,7 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
+from mjforage.forcing.record import far_km
+from mjforage.forcing.record_files import Recorded
 from mjforage.graph_planner.policies.registry import create_policy
 from mjforage.mission.dynamics import LATE
 from mjforage.mission.setup import Setup
@@ -17,6 +20,7 @@ from mjforage.physics.vessel_models import decision_s, full_speed_s
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.place import Place
 from mjforage.scenario.scenario_file import load_scenario, preset_names
 from mjforage.scenario.vessel_files import vessel_path
 
@@ -122,6 +126,47 @@ def test_currents_that_only_vessels_feel_are_told(key: str) -> None:
     assert told(PHYSICS, current, "physics.items=bodies") == []
     assert told(PHYSICS, "physics.items=graph") == []
     assert line not in told(("graph",), current, "physics.items=graph")
+
+
+def test_a_record_tells_what_it_lacks_and_what_says_nothing_beside_it(tmp_path: Path) -> None:
+    wind, water = tmp_path / "wind.csv", tmp_path / "water.csv"
+    rows = "".join(f"\n2024-06-01T0{h}:00,1,90" for h in range(9))
+    wind.write_text("time,wind_speed_mps,wind_from_deg" + rows)
+    water.write_text("time,current_speed_mps,current_to_deg" + rows)
+    air, flow = (f"weather.file={file}" for file in (wind, water))
+    bay = ("map.file=open-bay", "map.starts=[]")
+    assert told(PHYSICS, air, *bay) == []
+    assert told(PHYSICS, air, *bay, "weather.drift_node_per_step=0.3") == [
+        f"weather.drift_node_per_step: without effect, as record {wind} has the wind; leave it out"
+    ]
+    told_of = told(("graph",), flow, *bay, "weather.height_m=2", "weather.record_height_m=4")
+    assert told_of == [
+        f"weather.record_height_m, weather.height_m: without effect, as record {water} has no "
+        "wind; leave it out",
+        f"record {water}: has no wind, so that weather.drift_node_per_step gives one; give "
+        "weather.wind_speed_mps, 0 for a calm",
+    ]
+    assert told(PHYSICS, flow, *bay, "weather.wind_speed_mps=0") == []
+
+
+def test_a_record_from_far_away_is_told(tmp_path: Path) -> None:
+    hours, place = np.linspace(0.0, 86400.0, 25), Place(38.97, -76.48, 4.0, 61, 61)
+    for lat, lon, away in ((38.97, -76.48, 0.0), (np.nan, np.nan, 0.0), (39.97, -76.48, 111.0)):
+        known = Recorded("buoy", "", hours, None, None, np.array([lat]), np.array([lon]))
+        assert far_km(known, place) == pytest.approx(away, abs=0.5)
+    buoy = tmp_path / "buoy.nc"
+    units = {"units": "m s-1"}
+    wind = {k: ("time", np.ones(3), units) for k in ("eastward_wind", "northward_wind")}
+    times = np.datetime64("2024-06-01T00:00", "ns") + np.arange(3) * np.timedelta64(1, "h")
+    xarray.Dataset(wind, {"time": times, "lat": 39.97, "lon": -76.48}).to_netcdf(
+        buoy, engine="h5netcdf"
+    )
+    setup = Setup.of(load_scenario("open-bay", (f"weather.file={buoy}",)))
+    setup = replace(setup, grid=replace(setup.grid, place=place))
+    words = f"record {buoy}: is of 39.97, -76.48, 111 km from the place at 38.97, -76.48; give one"
+    assert list(run_warnings(setup, ("graph",))) == [f"{words} from nearer by"]
+    line = Recorded("line", "", hours, None, None, np.array([37.97]), np.array([-80.0, -70.0]))
+    assert far_km(line, place) == pytest.approx(111.0, abs=0.5)
 
 
 def test_items_without_bodies_have_no_classes() -> None:

@@ -29,6 +29,7 @@ ROLE = "{count=1, moves=1, radius=1, collects=true}"
         ("map.qqqq=1", "unknown key map.qqqq; known: file, pitch_m"),
         ("team.pilots.count=2", "missing team.pilots.moves, team.pilots.radius, team.pilots.colle"),
         ("team.scouts.count=two", "team.scouts.count = 'two' should be a valid integer"),
+        ("weather.height_m=2", "weather.height_m without a record; give weather.file too"),
         ("link.latency=3", "link.latency = 3 without a link; give link.model"),
         (
             "link={model='disk', bytes=5}",

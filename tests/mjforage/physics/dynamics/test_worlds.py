@@ -54,7 +54,7 @@ def pieces(scenario: Scenario) -> tuple[bool, ...]:
         physics.items == "bodies",
         whole(weather.circulation_mps, weather.current_wander_mps),
         physics.capture == "intake",
-        weather.gust_intensity > 0,
+        (weather.gust_intensity or 0.0) > 0,
         whole(sensors.position_noise_m, sensors.heading_noise_deg, sensors.camera_noise_m),
     )
 
