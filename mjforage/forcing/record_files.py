@@ -47,7 +47,7 @@ class Recorded:
 
 
 class Content(NamedTuple):
-    """What a reader finds in a file; fields as those of `Recorded`."""
+    """Content of a file, as a reader finds it; fields as those of `Recorded`."""
 
     times_s: FloatArray
     parts: dict[str, FloatArray]  # wind, current and gusts

@@ -12,6 +12,14 @@ from mjforage.scenario.schema import check
 
 _FILLED = 0.2  # of length x beam x draught
 _LOADING_NPM2 = 4000.0  # thrust per area of a propeller
+_GRAVITY_MPS2 = 9.81
+_SOUND = (
+    ("length / beam", 0.8, 20.0),
+    ("draught / beam, with the draught mass / (water density x 0.2 x length x beam),", 0.01, 1.0),
+    ("thrust / mass [m/s2]", 0.01, 9.81),
+    ("Froude number, top speed / (9.81 m/s2 x length)^0.5,", 0.01, 1.5),
+)
+"""Ratios of boats, and estimates of their ranges; the shipped otter has 1.9, 0.17, 3.0 and 0.7."""
 _EFFICIENCY = 0.408  # of a motor: power of momentum theory over electrical power
 
 
@@ -39,6 +47,15 @@ def estimate_vessel(
             )
     side, rho = 0.5 * thrust_n, WATER_DENSITY_KGPM3
     draft = mass_kg / (rho * _FILLED * length_m * beam_m)
+    ratios = length_m / beam_m, draft / beam_m, thrust_n / mass_kg
+    for value, (what, low, high) in zip(
+        (*ratios, top_speed_mps / math.sqrt(_GRAVITY_MPS2 * length_m)), _SOUND, strict=True
+    ):
+        if not low <= value <= high:
+            raise UserError(
+                f"{what} = {value:.3g}: these rules are for boats of {low:g} to {high:g}; check "
+                "the numbers and their units"
+            )
     disc_m2 = side / _LOADING_NPM2
     disc = 2.0 * rho * disc_m2
     under_way = 2.0 * thrust_under_way(side, top_speed_mps, disc)

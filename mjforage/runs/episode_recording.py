@@ -28,6 +28,7 @@ _AXES = {
     "agent_team": "a",
     "agent_collects": "a",
     "agent_rc": "ta2",
+    "agent_target": "ta",
     "item_rc": "ti2",
     "item_present": "ti",
     "belief": "trc",
@@ -42,7 +43,7 @@ _AXES = {
     **KNOWLEDGE_AXES,
 }
 """Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
-_OPTIONAL = ("begins_s",)
+_OPTIONAL = ("begins_s", "agent_target")
 """Names that not every file has."""
 _FAR_S = 4e10  # from 1970 to a date that is none of a record
 
@@ -84,6 +85,9 @@ class Recording:
     episode: int = 0
     knowledge: KnowledgeRecord | None = None
     """Knowledge of each agent; None where all agents know everything."""
+    agent_target: NDArray[np.int32] | None = None
+    """(T'+1, agent) node that the decision led to, at step 0 the start; None at graph level, where
+    agents come to it."""
     begins_s: float | None = None
     """UTC of its start in the record of its weather, since 1970 [s]; None without a record."""
 
@@ -132,6 +136,9 @@ def _values(file: Any) -> dict[str, Any]:
         (str, ("world", "policy")),
     ):
         values |= {name: kind(values[name]) for name in words if name in values}
+    target = values.get("agent_target", np.zeros(0))
+    if ((target < 0) | (target >= np.count_nonzero(values["navigable"]))).any():
+        raise ValueError("agent_target is no node")
     if abs(values.get("begins_s", 0.0)) > _FAR_S:
         raise ValueError(f"begins_s is {values['begins_s']:g}")
     for name in ("team_names", "vessels"):

@@ -21,6 +21,7 @@ class _Recorder(Observer):
 
     def __init__(self) -> None:
         self.agents: list[NDArray[np.float32]] = []
+        self.targets: list[NDArray[np.int32]] = []
         self.items: list[NDArray[np.float32]] = []
         self.present: list[NDArray[np.bool_]] = []
         self.belief: list[NDArray[np.int16]] = []
@@ -31,6 +32,8 @@ class _Recorder(Observer):
         state, fleet, first = mission.state, mission.setup.fleet, np.zeros(1, np.int64)
         grid = mission.setup.graph.grid
         self.agents.append(state.agent_rc[0].astype(np.float32))
+        told = mission.moves.target if mission.moves else state.agent_node
+        self.targets.append(told[0].astype(np.int32))
         self.items.append(state.item_rc[0].astype(np.float32))
         self.present.append(state.item_node[0] >= 0)
         self.belief.append(grid(mission.knowledge.belief[0]).astype(np.int16))
@@ -101,5 +104,6 @@ def record(
         episode=episode,
         t_discovered=mission.ledger.t_discovered[0],
         knowledge=by_agent.record(mission) if by_agent else None,
+        agent_target=None if world == "graph" else np.stack(recorder.targets),
         begins_s=None if begins is None else begins[0].item(),
     )

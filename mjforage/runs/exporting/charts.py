@@ -154,9 +154,9 @@ def qgc_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
 
 
 def _waypoints(tracks: Tracks, vessel: int) -> NDArray[np.float64]:
-    """(waypoint, 2) latitude and longitude of the nodes a vessel went to; a stay is none."""
+    """(waypoint, 2) latitude and longitude of the nodes a vessel was told; a stay is none."""
     place = tracks.globe("waypoints")
-    nodes = np.rint(tracks.recording.agent_rc[:, vessel].astype(np.float64))
+    nodes = tracks.told[:, vessel]
     moved = np.r_[True, (np.diff(nodes, axis=0) != 0).any(axis=1)]
     return place.latlon(nodes[moved])
 

@@ -102,12 +102,12 @@ class _Moment:
             hulls.append(self._marker(name, k, _CUBE, size, colour, []))
         yield self.of("/hulls", "visualization_msgs/MarkerArray", markers=hulls)
         if step + 1 < len(recording.agent_rc):
-            nodes = np.rint(recording.agent_rc[step : step + 2]).astype(int)
+            nodes = np.rint(recording.agent_rc[step]).astype(int), tracks.told[step + 1]
             for k, name in enumerate(recording.labels):
                 words: dict[str, Any] = {"t_s": tracks.t_s[self.frame].item(), "step": step}
-                words |= {"from": nodes[0, k].tolist(), "to": nodes[1, k].tolist()}
+                words |= {"from": nodes[0][k].tolist(), "to": nodes[1][k].tolist()}
                 if tracks.place:
-                    words["to_latlon"] = tracks.place.latlon(nodes[1, k]).round(8).tolist()
+                    words["to_latlon"] = tracks.place.latlon(nodes[1][k]).round(8).tolist()
                 yield self.of(f"/{_word(name)}/decision", "std_msgs/String", data=json.dumps(words))
 
     def _grid(self, topic: str, values: NDArray[np.integer]) -> Message:

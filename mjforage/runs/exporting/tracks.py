@@ -79,6 +79,16 @@ class Tracks:
         return every * np.arange(len(self.recording.agent_rc))
 
     @cached_property
+    def told(self) -> NDArray[np.int64]:
+        """(T'+1, vessel, 2) row and column that the decision led to, at step 0 those of the start;
+        of older recordings those of the node that a vessel came to.
+        """
+        nodes, graph = self.recording.agent_target, self.setup.graph
+        if nodes is None:
+            return np.rint(self.recording.agent_rc).astype(np.int64)
+        return np.stack((graph.rows[nodes], graph.cols[nodes]), axis=-1).astype(np.int64)
+
+    @cached_property
     def xy_m(self) -> NDArray[np.float64]:
         """(frame, vessel and item, 2) x to the right and y up, from the south-west cell [m]."""
         pose, items = self.recording.track_pose, self.recording.track_items

@@ -67,6 +67,8 @@ def make_place(
         raise UserError(f"place {path}: {how} ({len(points)} given)")
     made = _of_image(path, layout, choice, points) if image else _of_outlines(path, layout, choice)
     place, shares, water, depths, remarks, own = made
+    if layout.crop is not None and place.rotation_deg % 90.0:
+        remarks = [*remarks, _turned_crop(place, layout)]
     place = replace(
         place,
         share=layout.share,
@@ -276,6 +278,19 @@ def _wider(box: Box) -> Box:
     stretch = max(math.cos(math.radians(0.5 * (south + north))), 0.01)
     more = 0.5 * max(wide * stretch, tall)
     return west - more / stretch, south - more, east + more / stretch, north + more
+
+
+def _turned_crop(place: Place, layout: Layout) -> str:
+    """Remark on a crop that a rotated grid reaches beyond."""
+    assert layout.crop is not None
+    flat = _placed(_corners(layout.crop), 0.0, layout)
+    (wide, tall), (width, height) = (
+        (one.columns * one.pitch_m, one.rows * one.pitch_m) for one in (place, flat)
+    )
+    return (
+        f"crop: the grid, turned by {place.rotation_deg:.4g} degrees, is {wide:g} x {tall:g} m and "
+        f"holds all of the crop's {width:g} x {height:g} m and what is beside it"
+    )
 
 
 def _sha256(path: Path) -> str:

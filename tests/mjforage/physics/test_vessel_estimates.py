@@ -67,8 +67,14 @@ def test_numbers_that_no_boat_has_are_one_line() -> None:
         ((2.0, 1.0, 60.0, 50.0, 0.0), "top-speed = 0: out of range"),
         ((2.0, 1.0, -1.0, 50.0, 1.0), "mass = -1: out of range"),
         ((float("nan"), 1.0, 6.0, 50.0, 1.0), "length = nan: out of range"),
-        ((2000.0, 1.0, 6.0, 50.0, 1.0), "length_m"),
-        ((2.0, 1.0, 9e5, 50.0, 1.0), "draft_m"),
+        (
+            (2000.0, 1.0, 6.0, 50.0, 1.0),
+            r"^length / beam = 2e\+03: these rules are for boats of 0.8",
+        ),
+        ((2.0, 1.0, 9e5, 50.0, 1.0), r"^draught / beam, .* = 2.2e\+03: "),
+        ((2.0, 1.0, 1.0, 3.0, 1.5), r"^draught / beam, .* = 0.00244: these rules are for boats of"),
+        ((2.0, 1.0, 60.0, 5000.0, 1.5), "^thrust / mass .* = 83.3: these rules .* 0.01 to 9.81"),
+        ((0.1, 0.06, 0.05, 0.2, 3.0), r"^Froude number, .* = 3.03: .* 0.01 to 1.5; check the numb"),
     ):
         with pytest.raises(UserError, match=words):
             estimate_vessel(*numbers)

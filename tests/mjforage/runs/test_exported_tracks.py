@@ -149,9 +149,50 @@ def test_a_mission_file_leads_to_the_nodes(
             *[["0", "3", "16"]] * (len(rows) - 1),
         ]
         cells = place.cells([[float(word) for word in row[8:10]] for row in rows])
-        nodes = np.rint(recording.agent_rc[:, k])
+        assert recording.agent_target is not None
+        nodes = np.argwhere(recording.navigable)[recording.agent_target[:, k]]
         way = [nodes[0], *(b for a, b in itertools.pairwise(nodes) if (a != b).any())]
         np.testing.assert_allclose(cells, way, atol=1e-3)
+
+
+def test_waypoints_and_decisions_are_what_a_late_hull_was_told(run: mf.Run, tmp_path: Path) -> None:
+    """Not where it was when the next decision was made."""
+    late = mf.evaluate(
+        run.scenario, "greedy", world="physics", episodes=1, period_s=3.0, folder=tmp_path / "run"
+    )
+    shown, place = late.recording(), run.scenario.map.place
+    assert place is not None
+    agents = late.agents.sort("agent", "step")
+    water = np.argwhere(shown.navigable)
+    for k, name in enumerate(shown.labels):
+        told = water[agents.filter(pl.col("agent") == k)["target"].to_numpy()]
+        came = np.rint(shown.agent_rc[:, k])
+        assert (told != came).any()
+        way = [told[0], *(b for a, b in itertools.pairwise(told) if (a != b).any())]
+        late.export(tmp_path / f"{k}", "qgc")
+        lines = (tmp_path / f"{k}" / f"{name}.waypoints").read_text().splitlines()[1:]
+        cells = place.cells([[float(word) for word in line.split("\t")[8:10]] for line in lines])
+        np.testing.assert_allclose(cells, way, atol=1e-3)
+        decisions = [
+            json.loads(one.content["data"])
+            for one in messages(Tracks(late.scenario, shown))
+            if one.topic == f"/{name}/decision"
+        ]
+        assert [one["to"] for one in decisions] == told[1:].tolist()
+        np.testing.assert_allclose(
+            place.cells([one["to_latlon"] for one in decisions]), told[1:], atol=1e-3
+        )
+    assert shown.agent_target is not None
+    old = Recording(**vars(shown) | {"agent_target": None})
+    (tmp_path / "old.npz").write_bytes(old.content())
+    again = Recording.load(tmp_path / "old.npz")
+    assert again.agent_target is None
+    np.testing.assert_array_equal(Tracks(late.scenario, again).told, np.rint(shown.agent_rc))
+    (tmp_path / "far.npz").write_bytes(
+        Recording(**vars(shown) | {"agent_target": shown.agent_target + 10**6}).content()
+    )
+    with pytest.raises(UserError, match="agent_target is no node"):
+        Recording.load(tmp_path / "far.npz")
 
 
 def plain(value: Any) -> Any:

@@ -136,6 +136,18 @@ def test_auto_rotation_lies_along_the_quays(tmp_path: Path) -> None:
     assert grid.navigable[2:-2, 2:-2].all()
 
 
+def test_a_crop_that_a_rotated_grid_reaches_beyond_is_told(tmp_path: Path) -> None:
+    path = geojson(tmp_path / "basin.geojson", [(BASIN, {})])
+    (line,) = told(made(path, crop=box_deg(40.0), rotation_deg=30.0), "crop: the grid")
+    assert line == (
+        "crop: the grid, turned by 30 degrees, is 112 x 112 m and holds all of the crop's 80 x 80 m"
+        " and what is beside it"
+    )
+    for more in ({"rotation_deg": 90.0}, {"rotation_deg": 0.0}):
+        assert not told(made(path, crop=box_deg(40.0), **more), "crop: the grid")
+    assert not told(made(path, rotation_deg=30.0), "crop: the grid")
+
+
 COAST = shapely.LineString([(-300, 30), (40, 30), (40, -10), (300, -10)])  # land to the left
 ISLAND = shapely.LinearRing([(-60, -60), (-40, -60), (-40, -40), (-60, -40)])  # counter-clockwise
 OSM = [
