@@ -12,21 +12,18 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
+from mjforage.forcing.record_content import MEANS_OVER_GUSTS, Content, intensity
 from mjforage.scenario.bearings import flow_direction, wind_direction
 
 FloatArray = NDArray[np.float64]
 LONGEST_S = 3600.0  # between two times
 COLUMNS = "time", "wind_speed_mps", "wind_from_deg", "current_speed_mps", "current_to_deg"
 _MISSING = {"speed": (99.0, 999.0), "direction": (999.0,)}  # NDBC's; 99 degrees is a direction
-MEANS_OVER_GUSTS = 600.0 / 3.0, 480.0 / 5.0
-"""Time of a mean over that of a gust: 10 min and 3 s by WMO, 8 min and 5 s of NDBC's buoys."""
-_STRONGEST = 0.5  # intensity of gusts
 _FASTEST = {"wind": 75.0, "current": 10.0}  # [m/s] of what is taken for a speed
 _NDBC = {"YY": "year", "YYYY": "year", "MM": "month", "DD": "day", "hh": "hour", "mm": "minute"}
 
@@ -44,16 +41,6 @@ class Recorded:
     longitude: FloatArray  # (column,) ascending without a jump, so that it may go beyond 180
     gusts: FloatArray | None = None  # (time, row, column) standard deviation over the wind's speed
     height_m: float | None = None  # of the wind above the water, if the file has it
-
-
-class Content(NamedTuple):
-    """Content of a file, as a reader finds it; fields as those of `Recorded`."""
-
-    times_s: FloatArray
-    parts: dict[str, FloatArray]  # wind, current and gusts
-    latitude: FloatArray = np.full(1, np.nan)
-    longitude: FloatArray = np.full(1, np.nan)
-    height_m: float | None = None
 
 
 def read_record(file: str) -> Recorded:
@@ -235,19 +222,6 @@ def _columns(rows: Sequence[Row], name: str) -> Content:
         gust = np.array([row["gust_mps"] for _, row in rows])[:, None, None]
         parts["gusts"] = intensity(gust, parts["wind"], MEANS_OVER_GUSTS[1])
     return Content(times, parts)
-
-
-def intensity(gust_mps: FloatArray, wind: FloatArray, means_over_gusts: float) -> FloatArray:
-    """(...) standard deviation of gusts over the speed of a wind (..., 2); NaN where unknown.
-
-    The strongest gust is 1 + I / 2 ln(T / t) of the mean, by the intensity I and the times T of
-    the mean and t of the gust (Ishizaki, "Wind profiles, turbulence intensities and gust factors
-    for design in typhoon-prone regions", J. Wind Eng. Ind. Aerodyn. 13, 1983).
-    """
-    speed = np.hypot(wind[..., 0], wind[..., 1])
-    factor = gust_mps / np.where(speed > 0.0, speed, np.nan)
-    found: FloatArray = (factor - 1.0) / (0.5 * math.log(means_over_gusts))
-    return found.clip(0.0, _STRONGEST)
 
 
 def along(speed: FloatArray, degrees: FloatArray, part: str) -> FloatArray:

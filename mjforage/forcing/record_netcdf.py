@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
-from mjforage.forcing.record_files import MEANS_OVER_GUSTS, Content, intensity
+from mjforage.forcing.record_content import MEANS_OVER_GUSTS, Content, intensity
 
 FloatArray = NDArray[np.float64]
 _MPS = {
