@@ -84,7 +84,8 @@ def heed(
     if quay:
         most = striking_speed(gap, QUAY_SHARE * p.brake_mps2, reaction, TOUCH_QUAY_MPS)
     else:
-        most = striking_speed(0.5 * gap, VESSEL_SHARE * p.brake_mps2, reaction, TOUCH_VESSEL_MPS)
+        touch = TOUCH_VESSEL_MPS if s.off_s == 0.0 else TOUCH_QUAY_MPS
+        most = striking_speed(0.5 * gap, VESSEL_SHARE * p.brake_mps2, reaction, touch)
     going = max(aside + ahead * (c * s.vx + t * s.vy), 0.0)
     rate = max(most - going, 0.0) / max(abs(turning), 1e-3)
     if turning > 0.0:

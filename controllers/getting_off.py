@@ -17,7 +17,7 @@ from mjforage.controllers.vessel_model import ModelArray, ModelRecord
 HELD_M, HELD_S = 0.6, 10.0  # not farther from where it was for so long, and leaning: held
 PICKING_S = 20.0  # the same with an item to pick up, which has ways of its own to begin anew
 AWAY_M = 0.8  # from the place that it keeps
-OFF_M, OFF_S = 2.5, 10.0  # it goes so far, but no longer than that
+OFF_M, OFF_S = 2.5, 15.0  # it goes so far, but no longer than that
 OFF_MPS = 0.5
 TURNS = 4  # courses tried to either side,
 TURN_RAD = 0.2  # so far apart
@@ -67,7 +67,10 @@ def room_along(
 def choose_way_off(
     fleet: FleetArray, models: ModelArray, land: LandArray, pitch: float, i: int
 ) -> None:
-    """Let vessel `i` get off on the course that has most room for the turn that it takes."""
+    """Let vessel `i` get off on the course that has most room for the turn that it takes.
+
+    What its loops have gathered against what holds it is forgotten.
+    """
     s, best = fleet[i], -math.inf
     for k in range(-TURNS, TURNS + 1):
         for way in (1.0, -1.0):
@@ -76,7 +79,14 @@ def choose_way_off(
             room -= ROOM_PER_RAD * abs(k) * TURN_RAD
             if room > best:
                 best, s.off_heading, s.off_way = room, heading, way
-    s.off_s = OFF_S
+    s.off_s, s.heading_ref, s.rate_ref = OFF_S, s.yaw, 0.0
+    s.moment_integral = s.surge_integral = 0.0
+
+
+@kernel
+def heading_off(s: VesselState) -> float:
+    """Heading [rad] of a vessel that gets off: while it leans its own, or all thrust would turn."""
+    return s.off_heading if s.in_contact == 0.0 else s.yaw
 
 
 @kernel

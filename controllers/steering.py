@@ -14,7 +14,7 @@ from mjforage.controllers.collecting import (
     meet_item,
     meets_item,
 )
-from mjforage.controllers.getting_off import OFF_MPS
+from mjforage.controllers.getting_off import OFF_MPS, heading_off
 from mjforage.controllers.guidance import along_and_across
 from mjforage.controllers.holding import hold_force, hold_windup
 from mjforage.controllers.lee_shore import evasive_turn
@@ -303,7 +303,7 @@ def steer(s: VesselState, p: ModelRecord, room: float, step_s: float) -> tuple[f
     room : largest offset of midships from the target on each axis to collect an item [m]
     """
     if s.off_s > 0.0:
-        return drive(s, p, s.off_heading, OFF_MPS * s.off_way, step_s)
+        return drive(s, p, heading_off(s), OFF_MPS * s.off_way, step_s)
     if s.mode == TRANSIT:
         if meets_item(s, p):
             heading, speed = meet_item(s, p)

@@ -99,12 +99,16 @@ def test_a_quay_that_juts_out_limits_a_vessel_passing_it() -> None:
     assert s.most_starboard == pytest.approx(striking(0.1) / 0.5)
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.2])
-def test_two_vessels_have_half_of_the_gap_each(gap: float) -> None:
+@pytest.mark.parametrize(
+    ("gap", "off_s", "touch"),
+    [(0.0, 0.0, TOUCH_VESSEL_MPS), (0.2, 0.0, TOUCH_VESSEL_MPS), (0.0, 5.0, TOUCH_QUAY_MPS)],
+)
+def test_two_vessels_have_half_of_the_gap_each(gap: float, off_s: float, touch: float) -> None:
+    """One that gets off may touch another as fast as a quay."""
     s, other = vessel_at(0.0, 0.0), vessel_at(0.0, P.beam_m + gap)
+    s.off_s = off_s
     heed_vessel(s, P, other, P)
-    brake = VESSEL_SHARE * P.brake_mps2
-    most = striking_speed(0.5 * (gap - BLUR_M), brake, REACTION, TOUCH_VESSEL_MPS)
+    most = striking_speed(0.5 * (gap - BLUR_M), VESSEL_SHARE * P.brake_mps2, REACTION, touch)
     assert s.most_port == pytest.approx(most / P.length_m * 2.0, rel=0.06)  # the other's corners
     assert s.most_port == s.most_starboard
 

@@ -15,6 +15,7 @@ from mjforage.controllers.getting_off import (
     PICKING_S,
     TOUCHING_M,
     choose_way_off,
+    heading_off,
     is_in_the_way,
     note_held,
     patience,
@@ -88,6 +89,19 @@ def test_with_another_astern_a_vessel_goes_off_beside_it() -> None:
         choose_way_off(fleet, models, BASIN, PITCH_M, 0)
     assert (alone[0]["off_way"][0], alone[0]["off_heading"][0]) == (-1.0, 0.0)
     assert (pair[0]["off_way"][0], pair[0]["off_heading"][0]) != (-1.0, 0.0)
+
+
+def test_while_it_leans_it_does_not_turn_nor_push_as_before() -> None:
+    s = cornered(0.5)
+    s.heading_ref, s.rate_ref, s.moment_integral, s.surge_integral = 1.0, 0.3, 50.0, -40.0
+    fleet, models = fleet_of(s)
+    choose_way_off(fleet, models, BASIN, PITCH_M, 0)
+    s = fleet[0]
+    assert (s.heading_ref, s.rate_ref, s.moment_integral, s.surge_integral) == (0.5, 0.0, 0.0, 0.0)
+    s.off_heading = 0.9
+    assert heading_off(s) == 0.5
+    s.in_contact = 0.0
+    assert heading_off(s) == 0.9
 
 
 def test_it_waits_first_and_ends_in_time_or_when_it_is_off() -> None:
