@@ -51,7 +51,7 @@ def test_differences_between_policies_and_between_worlds(run: mf.Run) -> None:
 
 def test_intervals_and_p_are_of_all_rows_together_and_tell_what_a_difference_needs() -> None:
     run = mf.evaluate("comb-port", ["greedy", "random"], episodes=12, horizon=30, record=())
-    found = run.differences("greedy", "random", metrics=["pta_d", "length", "nt90"])
+    found = run.differences("greedy", "random", metrics=["pta_d", "pta_c", "nt50"])
     keys = found["metric"].to_list()
     columns = {who: run.episodes.filter(policy=who) for who in run.policies}
     gaps = [(columns["greedy"][key] - columns["random"][key]).to_numpy() for key in keys]
