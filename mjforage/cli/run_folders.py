@@ -149,9 +149,8 @@ def _play(
 ) -> None:
     """Run, show the headline table and draw the report."""
     from mjforage.base.errors import UserError
-    from mjforage.graph_planner.policies import is_upper_bound
     from mjforage.physics.vessel_moves import followed
-    from mjforage.runs.run_info import read_json
+    from mjforage.runs.run_info import load_run, read_json
     from mjforage.view.report import needed_table, terminal_table
 
     recorded = parse_selection(choice.replay)
@@ -171,8 +170,8 @@ def _play(
         run = play(folder=folder, progress=progress, **how)
     if not run.complete:
         raise KeyboardInterrupt
-    bounds = [policy for policy in run.policies if is_upper_bound(policy)]
-    print_table(terminal_table(read_json(folder / "summary.json"), bounds))
+    about = load_run(folder / "run.json")
+    print_table(terminal_table(read_json(folder / "summary.json"), about.bounds, about.told))
     if choice.detect is not None:
         print_table(needed_table(run.episodes_needed(choice.detect), choice.detect))
     with working("drawing the report"):

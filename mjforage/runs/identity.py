@@ -19,6 +19,7 @@ from mjforage.graph_planner.policies.registry import (
     policy_class,
     policy_files,
     policy_parts,
+    policy_told,
 )
 from mjforage.mission.scoring import chosen_metrics, description
 from mjforage.mission.setup import Setup
@@ -190,6 +191,7 @@ def run_info(
         "worlds": list(worlds),
         "policies": list(policies),
         "bounds": [name for name in policies if is_upper_bound(name)],
+        "told": {name: told for name in policies if (told := policy_told(name))},
         "classes": {
             policy: reference for policy in policies if (reference := outside_class(policy))
         },

@@ -124,6 +124,8 @@ class RunInfo:
     """Hash of scenario, map, hulls and code, that workers must agree with."""
     bounds: tuple[str, ...] = ()
     """Policies that see the truth (oracle bounds)."""
+    told: Mapping[str, str] = field(default_factory=dict)
+    """Policy -> what it is told of the items before an episode, of those that are."""
     classes: Mapping[str, str] = field(default_factory=dict)
     """Policy -> package.module:Class, of those that are not ours."""
     weights: Mapping[str, str] = field(default_factory=dict)

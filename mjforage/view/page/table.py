@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 NOTHING = "–"
@@ -52,6 +52,27 @@ class Table:
     head: str = "policy"  # what the heads of the rows are
     better: tuple[int, ...] = ()  # of the columns' metrics, as of a row
     wordy: bool = False  # cells are words, which may have several lines, and no numbers
+
+
+def with_words(table: Table, label: str, words: Sequence[str]) -> Table:
+    """A table with a column of words before its others, a cell for each row."""
+    rows = (
+        replace(
+            one,
+            cells=(word, *one.cells),
+            values=(None, *one.values),
+            also=("", *one.also),
+            best=frozenset(place + 1 for place in one.best),
+        )
+        for one, word in zip(table.rows, words, strict=True)
+    )
+    return replace(
+        table,
+        columns=(label, *table.columns),
+        rows=tuple(rows),
+        units=("", *table.units),
+        better=(0, *table.better),
+    )
 
 
 def groups(rows: Sequence[Row]) -> list[tuple[Row, list[Row]]]:

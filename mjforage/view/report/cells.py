@@ -30,6 +30,10 @@ class Cell(NamedTuple):
     best: bool = False  # bold
 
 
+TOLD = "told of items"
+"""Column of what policies know of the items before an episode."""
+
+
 UNDEFINED = Cell(NOTHING, Number(math.nan))
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import polars as pl
@@ -10,12 +11,13 @@ from rich.text import Text
 
 from mjforage.mission.scoring import Description, describe
 from mjforage.view.page import style
-from mjforage.view.page.table import NOTHING, Number, Row, Table
+from mjforage.view.page.table import NOTHING, Number, Row, Table, with_words
 from mjforage.view.report.best_marks import NOTE, best_of
 from mjforage.view.report.cells import (
     FEW,
     INTERVAL,
     ROUGH,
+    TOLD,
     Cell,
     is_rough,
     metrics_table,
@@ -39,6 +41,7 @@ from mjforage.view.report.run_logs import UNDEFINED, RunLogs, Summary, case_name
 
 HEADLINE = ("pta_d", "pta_c", "below_90", "rmse", "nt50", "nt90", "csr", "length")
 TERMINAL = ("pta_d", "pta_c", "below_90", "rmse", "nt90", "csr")
+NOBODY: Mapping[str, str] = MappingProxyType({})
 LINKED = (*TERMINAL[:5], "handover")  # where it is defined; no more would fit
 
 
@@ -68,10 +71,14 @@ def metric_table(
     paper: bool = True,
     notes: Sequence[str] = (),
 ) -> Table:
-    """Policies down, metrics across; the paper's figures under the policies that it has."""
+    """Policies down, metrics across; the paper's figures under the policies that it has.
+
+    What policies are told of the items is a column where any is told something.
+    """
     metrics = [describe(key) for key in keys]
     best = [best_of(logs, metric) for metric in metrics]
     rows: list[Row] = []
+    told: list[str] = []
     for case in logs.by_policy:
         pairs = zip(metrics, best, strict=True)
         cells = [summary_cell(case, metric, case in winners) for metric, winners in pairs]
@@ -79,9 +86,11 @@ def metric_table(
         known = published_for(logs.run, case.policy) if paper else None
         if known and case.world == logs.run.worlds[-1]:
             rows += _paper_rows(known, metrics, elsewhere(logs.run))
+        told += [logs.run.told.get(case.policy, NOTHING)] + [NOTHING] * (len(rows) - len(told) - 1)
     straight = any(one.paper and one.head.startswith(STRAIGHT) for one in rows)
     notes = (*notes, *([STRAIGHT_NOTE] if straight else ()))
-    return metrics_table(name, title, metrics, rows, notes)
+    table = metrics_table(name, title, metrics, rows, notes)
+    return with_words(table, TOLD, told) if logs.run.told else table
 
 
 def headline_table(logs: RunLogs) -> Table:
@@ -154,13 +163,19 @@ def full_cells(entry: Summary, metric: Description) -> tuple[Cell, ...]:
     )
 
 
-def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> RichTable:
+def terminal_table(
+    summary: Mapping[str, Any],
+    bounds: Collection[str] = (),
+    told: Mapping[str, str] = NOBODY,
+) -> RichTable:
     """Headline numbers of a `summary.json` for the terminal, mean and 95 % interval below it.
 
     Parameters
     ----------
     summary
         {world: {policy: {metric: {"mean", "sem", "ci95", "iqm", "worst5", "n"}}}}
+    bounds, told
+        as of `RunInfo`
 
     Raises
     ------
@@ -176,9 +191,9 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
     metrics = [
         describe(key) for key in (filter(defined, LINKED) if defined("handover") else TERMINAL)
     ]
-    table = _titled(
-        f"mean, 95 % interval; {ROUGH}: fewer than {FEW} episodes, it covers less often"
-    )
+    title = f"mean, 95 % interval; {ROUGH}: fewer than {FEW} episodes, it covers less often"
+    title += "\n(below a policy): what it is told of the items" if told else ""
+    table = _titled(title)
     table.add_column("policy", no_wrap=True)
     for metric in metrics:
         # Longer units would not fit 80 columns; the report has them.
@@ -188,6 +203,8 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
         found = [parsed[world][policy].get(metric.key, UNDEFINED) for metric in metrics]
         cells = map(_terminal_cell, found, metrics)
         name = case_name(world, policy, list(parsed), bounds).replace(" (bound)", "\n(bound)")
+        if policy in told and policy not in bounds:
+            name += f"\n({told[policy]})"
         head = Text(name, style=style.policy_colour(policy))
         table.add_row(head, *map(Text, cells))
     return table

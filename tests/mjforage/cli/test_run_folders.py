@@ -48,9 +48,11 @@ def test_the_figures_are_whole_on_a_terminal_of_any_width(
     }
     summary = {"graph": dict.fromkeys(policy_names(), entries)}
     monkeypatch.setattr(console.output, "width", width)
-    console.print_table(terminal_table(summary))
+    knowing = dict.fromkeys(("belief", "dec-mcts"), "their law")
+    console.print_table(terminal_table(summary, ["oracle"], knowing))
     told = capsys.readouterr().out
     assert "…" not in told
+    assert width < 30 or (told.count("(their law)"), told.count("(bound)")) == (2, 1)
     assert told.count("100.00") == 2 * len(policy_names())
     assert told.count("PTA D") == (1 if width >= 79 else len(policy_names()))
     assert max(map(len, told.splitlines())) <= width

@@ -28,6 +28,7 @@ FREE = {
     "timings": "what the run took",
     "hash": "made of the others",
     "bounds": "follows from the policies",
+    "told": "follows from the policies",
     "classes": "follows from the policies; their code counts",
     "versions.mjforage": "its code counts",
     "versions.python": "computes no number",

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mjforage.graph_planner.policies.registry import policy_told
 from mjforage.metrics import FEWEST
 from mjforage.mission.scoring import describe
 from mjforage.view.page.figure import joined
 from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report.best_marks import best_first
 from mjforage.view.report.cells import (
+    TOLD,
     UNDEFINED,
     Cell,
     interval_cell,
@@ -126,7 +126,7 @@ def overall_table(standing: Standing) -> Table:
         won = sum(policy in board.winners[cell] for cell in own)
         bound = policy in board.logs.bounds
         cells = [
-            Cell(policy_told(policy) or NOTHING),
+            Cell(board.logs.told.get(policy, NOTHING)),
             *(interval_cell(standing.number(mean), 2) for mean in means),
             UNDEFINED if bound else Cell(f"{won} of {len(own)}", Number(won)),
             number_cell(ranks.get(policy, np.nan), 1),
@@ -135,7 +135,7 @@ def overall_table(standing: Standing) -> Table:
         ]
         rows.append(_policy_row(board, policy, cells))
     labels = [describe(key).label for key in shown]
-    columns = ("told of items", "all scores", *labels, "best", "rank", DECISION, "tasks")
+    columns = (TOLD, "all scores", *labels, "best", "rank", DECISION, "tasks")
     units = ("", "", *("",) * len(labels), "cells", "mean", DECISION_UNIT, "")
     better = (0, 1, *(1,) * len(labels), 1, -1, -1, 0)
     notes = (_overall_note(standing, len(judged)),)

@@ -34,6 +34,11 @@ class StudyLogs:
         return frozenset(policy for one in self.runs.values() for policy in one.run.bounds)
 
     @property
+    def told(self) -> dict[str, str]:
+        """Policy -> what it is told of the items, in any variant."""
+        return {who: what for one in self.runs.values() for who, what in one.run.told.items()}
+
+    @property
     def whole(self) -> RunLogs:
         """Logs of the variant that is the scenario as it is."""
         return next(iter(self.runs.values()))

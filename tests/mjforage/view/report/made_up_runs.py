@@ -75,6 +75,7 @@ def _run_json(plan: Plan) -> dict[str, Any]:
         "worlds": list(plan.worlds),
         "policies": list(plan.policies),
         "bounds": [policy for policy in plan.policies if policy == "oracle"],
+        "told": {policy: "the items" for policy in plan.policies if policy == "oracle"},
         "agents": agents,
         "map": {
             "name": "comb-port",

@@ -1,9 +1,13 @@
 """Tables of a run whose numbers are known: means, marks of the best, arrows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from mjforage.view.page.table import NOTHING
 from mjforage.view.report.best_marks import best_and_alike, best_first
+from mjforage.view.report.cells import TOLD
 from mjforage.view.report.shown import shown_policies
 from mjforage.view.report.text_tables import full_table, headline_table, metric_table
 from tests.mjforage.view.report.known_data import (
@@ -54,6 +58,21 @@ def test_a_bound_is_not_best_and_not_in_the_way_of_it() -> None:
         "levy": {1},
         "oracle (bound)": set(),
     }
+
+
+def test_what_policies_are_told_is_a_column_where_any_is_told_something() -> None:
+    logs = known_run({("graph", "greedy"): {"pta_c": 50.0}, ("graph", "belief"): {"pta_c": 60.0}})
+    plain = metric_table(logs, "t", "T", ("pta_c",))
+    assert TOLD not in plain.columns
+    knowing = replace(logs, run=replace(logs.run, told={"belief": "their law"}))
+    table = metric_table(knowing, "t", "T", ("pta_c",))
+    assert (table.columns[0], len(table.units), len(table.better)) == (TOLD, 2, 2)
+    words = {row.head: row.cells[0] for row in table.rows if not row.paper}
+    assert words == {"greedy": NOTHING, "belief": "their law"}
+    assert {row.cells[0] for row in table.rows if row.paper} == {NOTHING}
+    for row, before in zip(table.rows, plain.rows, strict=True):
+        assert row.cells[1:] == before.cells and row.values[1:] == before.values
+        assert row.best == {place + 1 for place in before.best}
 
 
 def test_the_papers_numbers_stand_below_the_last_world_of_their_policy() -> None:
