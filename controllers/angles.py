@@ -3,12 +3,13 @@
 import math
 
 from mjforage.base.compiled import kernel
+from mjforage.base.wholes import floor
 
 
 @kernel
 def wrapped(angle: float) -> float:
     """The same angle in [-pi, pi] [rad]."""
-    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+    return angle - 2.0 * math.pi * floor(angle / (2.0 * math.pi) + 0.5)
 
 
 @kernel

@@ -1,12 +1,12 @@
 """Gaps between vessels and land cells; the map's edge counts as a quay."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.base.wholes import floor
 from mjforage.controllers.boxes import box_gap
 
 LandArray = NDArray[np.bool_]
@@ -45,7 +45,7 @@ def is_land(land: LandArray, pitch: float, x: float, y: float) -> bool:
     """True if a point [m] lies on land; an empty map has none, and all is land around a map."""
     if land.size == 0:
         return False
-    return is_cell_land(land, math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5))
+    return is_cell_land(land, floor(x / pitch + 0.5), floor(y / pitch + 0.5))
 
 
 @kernel
@@ -102,10 +102,10 @@ def quay_gap(
     wide = abs(c) * half_length + abs(s) * half_beam + reach
     high = abs(s) * half_length + abs(c) * half_beam + reach
     columns, rows = land.shape
-    west = min(max(math.floor((x - wide) / pitch + 0.5) + 1, 0), columns - 1)
-    east = min(max(math.floor((x + wide) / pitch + 0.5) + 1, 0), columns - 1)
-    south = min(max(math.floor((y - high) / pitch + 0.5) + 1, 0), rows - 1)
-    north = min(max(math.floor((y + high) / pitch + 0.5) + 1, 0), rows - 1)
+    west = min(max(floor((x - wide) / pitch + 0.5) + 1, 0), columns - 1)
+    east = min(max(floor((x + wide) / pitch + 0.5) + 1, 0), columns - 1)
+    south = min(max(floor((y - high) / pitch + 0.5) + 1, 0), rows - 1)
+    north = min(max(floor((y + high) / pitch + 0.5) + 1, 0), rows - 1)
     half = 0.5 * pitch
     for i in range(west, east + 1):
         for j in range(south, north + 1):

@@ -8,6 +8,7 @@ speed that a touch may have.
 import math
 
 from mjforage.base.compiled import kernel
+from mjforage.base.wholes import floor
 from mjforage.controllers.angles import clipped
 from mjforage.controllers.chart import LandArray, headland, is_cell_land, is_nearer, way_to_cell
 from mjforage.controllers.clearance import joint_margin
@@ -125,8 +126,8 @@ def heed_around(
 ) -> None:
     """Limit a vessel for the sake of the quays around one point of it, (x, y) from midships [m]."""
     px, py, reach = s.x + x, s.y + y, NEAR_M + INSET_M + s.margin
-    low_j, high_j = math.floor((py - reach) / pitch + 0.5), math.floor((py + reach) / pitch + 1.5)
-    for i in range(math.floor((px - reach) / pitch + 0.5), math.floor((px + reach) / pitch + 1.5)):
+    low_j, high_j = floor((py - reach) / pitch + 0.5), floor((py + reach) / pitch + 1.5)
+    for i in range(floor((px - reach) / pitch + 0.5), floor((px + reach) / pitch + 1.5)):
         for j in range(low_j, high_j):
             if is_cell_land(land, i, j):
                 dx, dy = way_to_cell(pitch, px, py, i, j)
@@ -143,9 +144,9 @@ def heed_land(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> 
         x, y = corner_of(long, wide, c, t, k)
         heed_around(s, p, land, pitch, x, y)
     reach = 0.5 * p.length_m + NEAR_M + s.margin
-    low_i, low_j = math.floor((s.x - reach) / pitch), math.floor((s.y - reach) / pitch)
-    for i in range(low_i, math.floor((s.x + reach) / pitch) + 1):
-        for j in range(low_j, math.floor((s.y + reach) / pitch) + 1):
+    low_i, low_j = floor((s.x - reach) / pitch), floor((s.y - reach) / pitch)
+    for i in range(low_i, floor((s.x + reach) / pitch) + 1):
+        for j in range(low_j, floor((s.y + reach) / pitch) + 1):
             if headland(land, i, j):
                 to_x, to_y = (i + 0.5) * pitch - s.x, (j + 0.5) * pitch - s.y
                 x, y = nearest_of(long, wide, c, t, to_x, to_y)

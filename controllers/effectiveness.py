@@ -157,6 +157,6 @@ def weaken(s: VesselState, p: Any) -> None:
 @kernel
 def weaken_fleet(fleet: FleetArray, models: ModelArray, own: ModelArray) -> None:
     """Fill in the models `own` (vessel,) of vessels as weak as they are."""
-    own[:] = models
     for v in range(models.shape[0]):
+        own[v] = models[v]
         weaken(fleet[v], own[v])

@@ -9,6 +9,7 @@ thrust helps; limits may so be below 0.
 import math
 
 from mjforage.base.compiled import kernel
+from mjforage.base.wholes import floor
 from mjforage.controllers.angles import clipped, wrapped
 from mjforage.controllers.chart import LandArray, is_cell_land, is_nearer, quay_gap, way_to_cell
 from mjforage.controllers.clearance import picks_at_quay
@@ -89,12 +90,10 @@ def heed_lee(s: VesselState, p: ModelRecord, land: LandArray, pitch: float) -> N
         return
     reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + OFF_M + LEE_S * drift
     reach += s.margin
-    low_j, high_j = math.floor((s.y - reach) / pitch + 0.5), math.floor((s.y + reach) / pitch + 1.5)
+    low_j, high_j = floor((s.y - reach) / pitch + 0.5), floor((s.y + reach) / pitch + 1.5)
     least, picks = 0.0, picks_at_quay(s, p)
     c, t = math.cos(s.yaw), math.sin(s.yaw)
-    for i in range(
-        math.floor((s.x - reach) / pitch + 0.5), math.floor((s.x + reach) / pitch + 1.5)
-    ):
+    for i in range(floor((s.x - reach) / pitch + 0.5), floor((s.x + reach) / pitch + 1.5)):
         for j in range(low_j, high_j):
             if not is_cell_land(land, i, j):
                 continue

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.device import Launch
 from mjforage.controllers.allocation import thrust_of
 from mjforage.controllers.angles import wrapped
 from mjforage.controllers.estimate import surge_after, sway_after
@@ -54,13 +55,15 @@ class Filters(NamedTuple):
     velocity: FloatArray  # (episode, vessel, 3) world axes [m/s], [rad/s]
     surprise: FloatArray  # (episode, vessel) normalised innovation squared of the tick
     measured: FloatArray  # (episode, vessel) measurements in that
+    seen: FloatArray  # (episode, vessel, STATES) memory of `correct`
 
     @classmethod
     def of(cls, episodes: int, vessels: int, latency: int) -> "Filters":
         """Filters before the first measurement."""
         n = (episodes, vessels)
-        shapes = ((STATES,), (STATES, STATES), (3,), (latency + 1, 2), (), (3,), (3,), (), ())
-        kinds = ("d", "d", "d", "d", "q", "d", "d", "d", "d")
+        x, thrust = (STATES,), (latency + 1, 2)
+        shapes = (x, (STATES, STATES), (3,), thrust, (), (3,), (3,), (), (), x)
+        kinds = ("d", "d", "d", "d", "q", "d", "d", "d", "d", "d")
         return cls(*(np.zeros((*n, *s), k) for s, k in zip(shapes, kinds, strict=True)))
 
 
@@ -81,7 +84,11 @@ def begin(x: FloatArray, p: FloatArray, pose: FloatArray, of: SensorErrors) -> N
 
 @kernel
 def carry_on(
-    x: FloatArray, p: FloatArray, before: FloatArray, log: FloatArray, of: SensorErrors
+    x: FloatArray,
+    p: FloatArray,
+    before: tuple[float, float, float],
+    log: FloatArray,
+    of: SensorErrors,
 ) -> None:
     """A tick of dead reckoning by the velocities [m/s], [rad/s] at its start and end.
 
@@ -113,14 +120,17 @@ def carry_on(
 
 
 @kernel
-def correct(x: FloatArray, p: FloatArray, i: int, measured: float, noise: float) -> float:
+def correct(
+    x: FloatArray, p: FloatArray, seen: FloatArray, i: int, measured: float, noise: float
+) -> float:
     """Take in a measurement of state `i` plus its error; its innovation squared over variance."""
     j = i + OFF_X
     off = measured - x[i] - x[j]
     if i == YAW:
         off = wrapped(off)
     variance = p[i, i] + 2.0 * p[i, j] + p[j, j] + noise * noise
-    seen = p[i] + p[j]
+    for k in range(STATES):
+        seen[k] = p[i, k] + p[j, k]
     for k in range(STATES):
         x[k] += seen[k] * off / variance
         for m in range(STATES):
@@ -182,14 +192,13 @@ def navigate(
 ) -> None:
     """Take the measurements of a tick into the filters of the active episodes."""
     position, heading = max(of.position_m, LEAST_M), max(of.heading_rad, LEAST_RAD)
-    before = np.empty(3)
     for e in range(active.size):
         if not active[e]:
             continue
         for v in range(f.ticks.shape[1]):
             x, p, log, seen = f.state[e, v], f.covariance[e, v], f.log[e, v], pose[e, v]
             c, s = math.cos(seen[2]), math.sin(seen[2])
-            before[:] = log
+            before = log[0], log[1], log[2]
             log[0] = c * velocity[e, v, 0] + s * velocity[e, v, 1]
             log[1] = c * velocity[e, v, 1] - s * velocity[e, v, 0]
             log[2] = velocity[e, v, 2]
@@ -206,15 +215,18 @@ def navigate(
                 begin(x, p, seen, of)
             elif f.ticks[e, v] > of.latency:  # before that, measurements are those of the first
                 carry_on(x, p, before, log, of)
-                f.surprise[e, v] = correct(x, p, YAW, seen[2], heading)
+                f.surprise[e, v] = correct(x, p, f.seen[e, v], YAW, seen[2], heading)
                 f.measured[e, v] = 1.0
                 if fix[e, v]:
-                    f.surprise[e, v] += correct(x, p, X, seen[0], position)
-                    f.surprise[e, v] += correct(x, p, Y, seen[1], position)
+                    f.surprise[e, v] += correct(x, p, f.seen[e, v], X, seen[0], position)
+                    f.surprise[e, v] += correct(x, p, f.seen[e, v], Y, seen[1], position)
                     f.measured[e, v] = 3.0
             tell(f, models[v], e, v, of)
             state[e, v].margin = MARGIN * deviation(p)
             f.ticks[e, v] += 1
+
+
+NAVIGATE = Launch(navigate, shared="models")
 
 
 class Navigator:

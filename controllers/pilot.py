@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.device import Launch
 from mjforage.controllers.chart import Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
 from mjforage.controllers.effectiveness import LAME_LOSS, notice_losses, weaken_fleet
@@ -102,15 +103,17 @@ def _command(
 
 
 @kernel
-def _giving_way(state: FleetArray) -> NDArray[np.bool_]:
-    """(episode, vessel) see `Pilot.giving_way`."""
-    result = np.zeros(state.shape, np.bool_)
+def _giving_way(state: FleetArray, held: NDArray[np.bool_]) -> None:
+    """Write (episode, vessel) `Pilot.giving_way`."""
     for e in range(state.shape[0]):
         for v in range(state.shape[1]):
             s = state[e, v]
             most = s.most_ahead if s.way > 0.0 else s.most_astern
-            result[e, v] = s.mode == TRANSIT and (s.wait > s.clock or most < LIMITED_MPS)
-    return result
+            held[e, v] = s.mode == TRANSIT and (s.wait > s.clock or most < LIMITED_MPS)
+
+
+COMMAND = Launch(_command, shared="models land", memory="weak paths met")
+GIVING_WAY = Launch(_giving_way)
 
 
 class Pilot:
@@ -266,4 +269,6 @@ class Pilot:
     @property
     def giving_way(self) -> NDArray[np.bool_]:
         """(episode, vessel) whether it is under way and held back for another vessel or a quay."""
-        return self._giving_way()
+        held = np.empty(self._fleets.state.shape, np.bool_)
+        self._giving_way(held)
+        return held

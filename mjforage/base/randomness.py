@@ -9,6 +9,7 @@ number generators", OOPSLA 2014) with Stafford's "Mix13" constants, applied once
 coordinate.
 """
 
+import math
 from enum import IntEnum
 
 import numpy as np
@@ -129,8 +130,8 @@ def uniform(key: np.uint64, index: int, step: int) -> float:
 @kernel
 def normal(key: np.uint64, index: int, step: int) -> float:
     """A standard normal of (stream key, index, step): Box-Muller on two of its uniforms."""
-    radius = np.sqrt(-2.0 * np.log(1.0 - uniform(key, 2 * index, step)))
-    return float(radius * np.cos(2.0 * np.pi * uniform(key, 2 * index + 1, step)))
+    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(key, 2 * index, step)))
+    return float(radius * math.cos(2.0 * math.pi * uniform(key, 2 * index + 1, step)))
 
 
 @kernel

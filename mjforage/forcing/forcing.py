@@ -1,6 +1,5 @@
 """Wind and current at points, for a batch of episodes."""
 
-import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -8,8 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.device import Launch
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key
+from mjforage.base.wholes import floor
 from mjforage.forcing.flow import OPEN_SEA, Flow, flow_in
 from mjforage.forcing.gauss_markov import gauss_markov_pair
 from mjforage.forcing.item_noise import item_noise
@@ -56,13 +57,13 @@ def _wind(
     record: Record,
     t_s: FloatArray,
     xy: FloatArray,
-) -> FloatArray:
-    """Mean wind and the gusts along and across it, weaker in the lee, (episode, point, 2) [m/s].
+    out: FloatArray,
+) -> None:
+    """Write mean wind and gusts along and across it, weaker in the lee: (episode, point, 2) [m/s].
 
     An intensity that is NaN is the record's own.
     """
     recorded, own = record.times_s.size > 0, math.isnan(intensity)
-    out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         u, v = mean[e, 0], mean[e, 1]
         ahead = beside = 0.0
@@ -80,7 +81,6 @@ def _wind(
             if shelter.length_m > 0.0:
                 share = wind_share(shelter, xy[e, p, 0], xy[e, p, 1], u, v)
             out[e, p, 0], out[e, p, 1] = share * wind_u, share * wind_v
-    return out
 
 
 @kernel
@@ -106,12 +106,12 @@ def _current(
     record: Record,
     t_s: FloatArray,
     xy: FloatArray,
-) -> FloatArray:
-    """Streams and circulation at points, (episode, point, 2) [m/s].
+    out: FloatArray,
+) -> None:
+    """Write streams and circulation at points, (episode, point, 2) [m/s].
 
     Where a recorded current differs from place to place, each has the stream of its own.
     """
-    out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         free_u, free_v = mean[e, 0], mean[e, 1]
         if wander > 0.0:
@@ -128,21 +128,23 @@ def _current(
                 )
             else:
                 out[e, p, 0], out[e, p, 1] = u, v
-    return out
 
 
 @kernel
 def _item_noise(
-    keys: UInt64Array, reach: float, period_s: float, t_s: FloatArray, items: int
-) -> FloatArray:
-    """The paper's noise of the period that is on, as (x, y), (episode, item, 2) [m/s]."""
-    out = np.empty((t_s.size, items, 2))
+    keys: UInt64Array, reach: float, period_s: float, t_s: FloatArray, out: FloatArray
+) -> None:
+    """Write the paper's noise of the period that is on, as (x, y), (episode, item, 2) [m/s]."""
     for e in range(t_s.size):
-        step = math.floor(t_s[e] / period_s + _EARLY) + 1  # the graph's steps count from 1
-        for k in range(items):
+        step = floor(t_s[e] / period_s + _EARLY) + 1  # the graph's steps count from 1
+        for k in range(out.shape[1]):
             row, col = item_noise(keys[e], k, step)
             out[e, k, 0], out[e, k, 1] = reach * col, -reach * row
-    return out
+
+
+WIND = Launch(_wind, shared="shelter times_s record.velocity cell")
+CURRENT = Launch(_current, shared="patches times_s record.velocity cell")
+ITEM_NOISE = Launch(_item_noise)
 
 
 class WindAndWater(NamedTuple):
@@ -183,13 +185,13 @@ class Forcing:
     _shelter: Shelter
     _winds: Record
     _currents: Record
-    _wind: BoundKernel[FloatArray] = field(init=False)
-    _mean_wind: BoundKernel[FloatArray] = field(init=False)
-    _free_wind: BoundKernel[FloatArray] = field(init=False)
-    _free_mean: BoundKernel[FloatArray] = field(init=False)
-    _stream: BoundKernel[FloatArray] = field(init=False)
-    _current: BoundKernel[FloatArray] = field(init=False)
-    _item_noise: BoundKernel[FloatArray] = field(init=False)
+    _wind: BoundKernel[None] = field(init=False)
+    _mean_wind: BoundKernel[None] = field(init=False)
+    _free_wind: BoundKernel[None] = field(init=False)
+    _free_mean: BoundKernel[None] = field(init=False)
+    _stream: BoundKernel[None] = field(init=False)
+    _current: BoundKernel[None] = field(init=False)
+    _item_noise: BoundKernel[None] = field(init=False)
 
     @classmethod
     def create(
@@ -307,13 +309,19 @@ class Forcing:
             shares = np.round(leeway / LEEWAY, _DIGITS) * self.sheltered(xy)
             by_wind = shares[..., None] * self.drift_rc[:, None]
         else:
-            wind = self._mean_wind(self._times(t_s), np.ascontiguousarray(xy))
+            wind = self._ask(self._mean_wind, t_s, xy)
             by_wind = leeway[..., None] * to_rc(wind) / self.node_mps
         result: FloatArray = by_wind + (1.0 - leeway)[..., None] * current_rc
         return result
 
     def _times(self, t_s: ArrayLike) -> FloatArray:
         return np.ascontiguousarray(np.broadcast_to(np.asarray(t_s, np.float64), (len(self),)))
+
+    def _ask(self, query: BoundKernel[None], t_s: ArrayLike, xy: FloatArray) -> FloatArray:
+        """What a kernel says of points (episode, point, 2) [m], of the same shape."""
+        out = np.empty(xy.shape)
+        query(self._times(t_s), np.ascontiguousarray(xy, np.float64), out)
+        return out
 
     def at(self, t_s: ArrayLike, xy: FloatArray) -> WindAndWater:
         """Wind and current at points (episode, point, 2) [m]."""
@@ -326,9 +334,9 @@ class Forcing:
         middle = np.zeros(2)
         if self.graph is not None:
             middle = self.graph.metres(0.5 * (np.array(self.graph.shape) - 1.0))
-        times, there = self._times(t_s), np.tile(middle, (len(self), 1, 1))
-        wind = (self._free_wind if gusts else self._free_mean)(times, there)
-        return WindAndWater(wind[:, 0], self._stream(times, there)[:, 0])
+        there = np.tile(middle, (len(self), 1, 1))
+        wind = self._ask(self._free_wind if gusts else self._free_mean, t_s, there)
+        return WindAndWater(wind[:, 0], self._ask(self._stream, t_s, there)[:, 0])
 
     def wind(self, t_s: ArrayLike, xy: FloatArray) -> FloatArray:
         """Wind over ground at points (episode, point, 2) [m], of the same shape [m/s].
@@ -336,7 +344,7 @@ class Forcing:
         Gusts are Ornstein-Uhlenbeck processes of `gust_tau_s` along and across the mean wind, the
         same at every point. In the lee of land mean wind and gusts are weaker by one factor.
         """
-        return self._wind(self._times(t_s), np.ascontiguousarray(xy, np.float64))
+        return self._ask(self._wind, t_s, xy)
 
     def sheltered(self, xy: FloatArray) -> FloatArray:
         """Share (episode, point) of the mean wind that land leaves at points (episode, point, 2).
@@ -350,7 +358,7 @@ class Forcing:
 
         Streams and circulation, which no quay lets through.
         """
-        return self._current(self._times(t_s), np.ascontiguousarray(xy, np.float64))
+        return self._ask(self._current, t_s, xy)
 
     def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:
         """Velocity (episode, item, 2) [m/s] that an item's own water adds to the current.
@@ -358,4 +366,6 @@ class Forcing:
         It is constant for a decision: decision n starts at n `period_s` and has the draws
         of the graph's step n + 1.
         """
-        return self._item_noise(self._times(t_s), items)
+        out = np.empty((len(self), items, 2))
+        self._item_noise(self._times(t_s), out)
+        return out

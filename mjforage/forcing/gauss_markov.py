@@ -23,6 +23,7 @@ import numpy as np
 
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import uniform
+from mjforage.base.wholes import floor
 
 ROOT = 40.0  # length of a root interval [time constant]
 LEVELS = 15
@@ -51,7 +52,7 @@ def gauss_markov_pair(key: np.uint64, time: float) -> tuple[float, float]:
     key : stream key, one path each
     time : finite [time constant], of either sign
     """
-    root = math.floor(time / ROOT)
+    root = floor(time / ROOT)
     index, since = int(root), time - root * ROOT
     a0, a1 = normal_pair(key, index, 0)
     b0, b1 = normal_pair(key, index + 1, 0)

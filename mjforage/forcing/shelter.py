@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mjforage.base.compiled import kernel
+from mjforage.base.wholes import floor
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 
@@ -51,7 +52,7 @@ def upwind_land_m(shelter: Shelter, x: float, y: float, u: float, v: float) -> f
     speed = math.hypot(u, v)
     if speed == 0.0 or math.isnan(x + y):
         return math.inf
-    i, j = math.floor(x / shelter.pitch_m + 0.5), math.floor(y / shelter.pitch_m + 0.5)
+    i, j = floor(x / shelter.pitch_m + 0.5), floor(y / shelter.pitch_m + 0.5)
     step_x, step_y = (-1 if u > 0.0 else 1), (-1 if v > 0.0 else 1)
     pace_x, pace_y = math.inf, math.inf  # way from one border to the next [m]
     next_x, next_y = math.inf, math.inf  # way to the next border [m]

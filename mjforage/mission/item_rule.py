@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, inlined, kernel
+from mjforage.base.device import Launch
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key
 from mjforage.base.rows import scatter_all
 from mjforage.forcing.item_noise import to_symmetric
@@ -79,6 +80,9 @@ def collect(
                     item_node[e, k] = -1
                     collected_by[e, k] = agent
                     room_left[e, agent] -= 1
+
+
+COLLECT = Launch(collect, shared="collects")
 
 
 @inlined

@@ -61,6 +61,8 @@ def log_scans(
     active, step, at, sighted = scans.active, scans.step, scans.agent_node, scans.sighted
     start, nodes, perfect = views.start, views.nodes, scans.shown.shape[2] == 0
     node, shown, occupied = log.node, log.shown, log.occupied
+    energy_left, room_left, agent_yaw = scans.energy_left, scans.room_left, scans.agent_yaw
+    taken, pickup = scans.taken, scans.pickup
     for e in range(active.size):
         if not active[e]:
             continue
@@ -73,9 +75,9 @@ def log_scans(
                 shown[e, s, a, i - first] = items
                 full += items > 0
             node[e, s, a], occupied[e, s, a] = viewer, full
-        log.energy_left[e, s], log.room_left[e, s] = scans.energy_left[e], scans.room_left[e]
-        log.taken[e, s], log.pickup[e, s] = scans.taken[e], scans.pickup[e]
-        log.agent_yaw[e, s] = scans.agent_yaw[e]
+            log.energy_left[e, s, a], log.room_left[e, s, a] = energy_left[e, a], room_left[e, a]
+            log.taken[e, s, a], log.pickup[e, s, a] = taken[e, a], pickup[e, a]
+            log.agent_yaw[e, s, a] = agent_yaw[e, a]
 
 
 @kernel

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.base.rows import scatter_rows
+from mjforage.base.wholes import floor
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.knowledge import Knowledge, believe
@@ -83,6 +84,6 @@ def round_off(filtered: MapFilter, row: int, knowledge: Knowledge) -> None:
     density, belief, last_seen = filtered.density, knowledge.belief, knowledge.last_seen
     known, known_at, n_known = knowledge.known, knowledge.known_at, knowledge.n_known
     for node in range(density.shape[1]):
-        items = int(np.floor(density[row, node] + 0.5))
+        items = floor(density[row, node] + 0.5)
         if last_seen[row, node] != NEVER and belief[row, node] != items:
             believe(belief, known, known_at, n_known, row, np.uint64(node), items)

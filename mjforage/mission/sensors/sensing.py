@@ -126,11 +126,11 @@ def _mark_view(
 ) -> None:
     """Note which nodes of a list are in the field of view: 0 items so far, and their places."""
     first, nodes, rows, cols = views.start[radius, viewer], views.nodes, sensing.rows, sensing.cols
-    east, north = np.cos(yaw), np.sin(yaw)
+    east, north = math.cos(yaw), math.sin(yaw)
     for i in range(first, views.start[radius, viewer + 1]):
         node = nodes[i]
         down, right = rows[node] - rows[viewer], cols[node] - cols[viewer]
-        away = np.sqrt(float(down * down + right * right))
+        away = math.sqrt(float(down * down + right * right))
         ahead = right * east - down * north  # rows count southward
         in_view = away == 0.0 or ahead >= away * (sensing.half_view - _EDGE)
         shown[i - first] = 0 if in_view else NOT_SEEN
@@ -209,6 +209,7 @@ def sense(
             _detect(sensing, ledger, keys[e], e, step, agent, viewer, shown)
             if sensing.false_rate > 0.0:
                 _add_false_positives(sensing, nodes, keys[e], step, shown)
-            sensing.place[nodes] = 0
+            for i in range(nodes.size):
+                sensing.place[nodes[i]] = 0
         for agent in range(collects.size):
             sensing.manned[at[e, agent]] = False

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.device import Launch
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
@@ -68,6 +69,15 @@ def _sense_imperfectly(
                 add_scan(filtered, agent, scans.agent_node[e, agent], scans.shown[e, agent])
             correct(filtered, e)
             round_off(filtered, e, knowledge)
+
+
+_CONFIG = "views radius_number credit_order"
+SENSE_PERFECTLY = Launch(_sense_perfectly, shared=_CONFIG, memory="in_view found")
+SENSE_IMPERFECTLY = Launch(
+    _sense_imperfectly,
+    shared=f"{_CONFIG} sensing.chance filtered.chance collects rows cols",
+    memory="in_view found place manned counted best",
+)
 
 
 class SensingUpdate:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.device import Launch
 from mjforage.controllers.chart import is_land
 from mjforage.mission.dynamics import Transition
 from mjforage.mission.task import IDLE, MISSED, TAKEN, UNREACHABLE
@@ -320,3 +321,7 @@ def collect_at_mouth(
             if taken > before and 0 < mouths.jam_items <= waiting:
                 ready_s[e, agent] = max(ready_s[e, agent], now_s[e] + mouths.jam_s)
     return taken
+
+
+SEEK = Launch(seek, shared="reach")
+COLLECT_AT_MOUTH = Launch(collect_at_mouth, shared="reach")

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.base.device import Launch
 from mjforage.graph_planner.graph.navigation import Water
 from mjforage.graph_planner.graph.walls import into_water
 from mjforage.mission.dynamics import Transition
@@ -37,3 +38,6 @@ def read_items(
             row, col = height - 1 - xy[e, k, 1] / pitch_m, xy[e, k, 0] / pitch_m
             item_rc[e, k, 0], item_rc[e, k, 1] = row, col
             _, _, item_node[e, k] = into_water(water, 0, row, col)
+
+
+READ_ITEMS = Launch(read_items, shared="water")

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.device import Launch
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.touch import touches
@@ -33,11 +34,13 @@ class PeriodRecord(NamedTuple):
     touching: NDArray[np.bool_]  # at the last tick
     collisions: Int32Array  # so far in the episode
     work_j: FloatArray  # electrical energy drawn so far in the episode
+    touches: NDArray[np.bool_]  # memory of a tick
+    closing: FloatArray  # the same
 
     @classmethod
     def of(cls, shape: tuple[int, int]) -> "PeriodRecord":
         """Record before the first period."""
-        kinds = ("?", "d", "?", "d", "d", "?", "i", "d")
+        kinds = ("?", "d", "?", "d", "d", "?", "i", "d", "?", "d")
         return cls(*(np.zeros(shape, kind) for kind in kinds))
 
     def forget(self, rows: NDArray[np.int64]) -> None:
@@ -110,11 +113,10 @@ def monitor(setup: MonitorSetup, seen: PeriodRecord, active: NDArray[np.bool_], 
     """Note one tick of the active episodes in `seen`."""
     pose, before, velocity = tick.after.pose, tick.before.pose, tick.after.velocity
     vessels, size = pose.shape[1], setup.size
-    now, closing = np.zeros(vessels, np.bool_), np.zeros(vessels)
     for e in range(active.size):
         if not active[e]:
             continue
-        start = tick.before.velocity[e]
+        start, now, closing = tick.before.velocity[e], seen.touches[e], seen.closing[e]
         touches(tick.met[e], start, size, setup.framed, setup.pitch_m, now, closing)
         for v in range(vessels):
             x, y = pose[e, v, 0], pose[e, v, 1]
@@ -155,3 +157,6 @@ def judge(
                 outcome[e, v] = ARRIVED
             else:
                 outcome[e, v] = BLOCKED if blocked[e, v] else LATE
+
+
+MONITOR, JUDGE = Launch(monitor, shared="setup"), Launch(judge)

@@ -5,17 +5,21 @@ axis of least overlap is taken as the direction of the contact.
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.wholes import floor
 from mjforage.graph_planner.graph.geodesics import Int32Array
 
 TOLERANCE_M = 0.005  # a gap below this counts as a touch: a hull that slides is lifted so far
 CORNER_M = 0.05  # corners this much farther than the deepest one are in the contact too
 PARALLEL_M = 1e-6  # overlaps that differ by less are those of parallel sides
 FloatArray = NDArray[np.float64]
+Triple: TypeAlias = tuple[float, float, float] | FloatArray
+Pair: TypeAlias = tuple[float, float] | FloatArray
 
 
 @inlined
@@ -26,15 +30,13 @@ def _reach(ax: float, ay: float, yaw: float, half_length: float, half_beam: floa
 
 
 @kernel
-def contact(
-    a: FloatArray, b: FloatArray, size_a: FloatArray, size_b: FloatArray
-) -> tuple[bool, float, float, bool]:
+def contact(a: Triple, b: Triple, size_a: Pair, size_b: Pair) -> tuple[bool, float, float, bool]:
     """Contact of boxes a and b: True if they touch, unit normal from b to a, True if of a's side.
 
     Parameters
     ----------
-    a, b : (3,) x, y [m], yaw [rad]
-    size_a, size_b : (2,) half length, half beam [m]
+    a, b : x, y [m], yaw [rad]
+    size_a, size_b : half length, half beam [m]
     """
     least, nx, ny, of_a = np.inf, 0.0, 0.0, False
     dx, dy = a[0] - b[0], a[1] - b[1]
@@ -56,7 +58,7 @@ def contact(
 
 
 @inlined
-def _corner(box: FloatArray, size: FloatArray, number: int) -> tuple[float, float]:
+def _corner(box: Triple, size: Pair, number: int) -> tuple[float, float]:
     """One of the four corners of a box."""
     along = size[0] if number & 1 else -size[0]
     aside = size[1] if number & 2 else -size[1]
@@ -65,7 +67,7 @@ def _corner(box: FloatArray, size: FloatArray, number: int) -> tuple[float, floa
 
 
 @inlined
-def _speed_at(pose: FloatArray, velocity: FloatArray, px: float, py: float) -> tuple[float, float]:
+def _speed_at(pose: Triple, velocity: Triple, px: float, py: float) -> tuple[float, float]:
     """Velocity of the vessel's point at (px, py)."""
     return (
         velocity[0] - velocity[2] * (py - pose[1]),
@@ -75,12 +77,12 @@ def _speed_at(pose: FloatArray, velocity: FloatArray, px: float, py: float) -> t
 
 @kernel
 def closing_speed(
-    a: FloatArray,
-    b: FloatArray,
-    velocity_a: FloatArray,
-    velocity_b: FloatArray,
-    size_a: FloatArray,
-    size_b: FloatArray,
+    a: Triple,
+    b: Triple,
+    velocity_a: Triple,
+    velocity_b: Triple,
+    size_a: Pair,
+    size_b: Pair,
     nx: float,
     ny: float,
     of_a: bool,
@@ -90,7 +92,7 @@ def closing_speed(
 
     Parameters
     ----------
-    velocity_a, velocity_b : (3,) world axes [m/s], [rad/s]
+    velocity_a, velocity_b : world axes [m/s], [rad/s]
     of_a : True if the normal belongs to a side of a: corners of b touch it, else those of a
     """
     deepest, fastest = np.inf, -np.inf
@@ -143,26 +145,26 @@ def _open_side(
 
 @kernel
 def _touch_quays(
-    pose: FloatArray,
-    velocity: FloatArray,
-    size: FloatArray,
+    pose: Triple,
+    velocity: Triple,
+    size: Pair,
     framed: Int32Array,
     pitch_m: float,
 ) -> tuple[bool, float]:
     """Contact of one vessel with land: True if it touches, fastest approach [m/s], at least 0."""
     rows, cols = framed.shape
-    cell, half, still = np.zeros(3), np.full(2, 0.5 * pitch_m), np.zeros(3)
+    half, still = (0.5 * pitch_m, 0.5 * pitch_m), (0.0, 0.0, 0.0)
     touching, closing = False, 0.0
     wide = math.hypot(size[0], size[1])
-    low_col = math.floor((pose[0] - wide) / pitch_m + 0.5) + 1
-    high_col = math.floor((pose[0] + wide) / pitch_m + 0.5) + 1
-    low_row = rows - 2 - math.floor((pose[1] + wide) / pitch_m + 0.5)
-    high_row = rows - 2 - math.floor((pose[1] - wide) / pitch_m + 0.5)
+    low_col = floor((pose[0] - wide) / pitch_m + 0.5) + 1
+    high_col = floor((pose[0] + wide) / pitch_m + 0.5) + 1
+    low_row = rows - 2 - floor((pose[1] + wide) / pitch_m + 0.5)
+    high_row = rows - 2 - floor((pose[1] - wide) / pitch_m + 0.5)
     for r in range(max(0, low_row), min(rows, high_row + 1)):
         for c in range(max(0, low_col), min(cols, high_col + 1)):
             if framed[r, c] >= 0:
                 continue
-            cell[0], cell[1] = (c - 1) * pitch_m, (rows - 2 - r) * pitch_m
+            cell = (c - 1) * pitch_m, (rows - 2 - r) * pitch_m, 0.0
             hit, nx, ny, own = contact(pose, cell, size, half)
             if hit:
                 touching = True
@@ -171,6 +173,12 @@ def _touch_quays(
                     speed = closing_speed(pose, cell, velocity, still, size, half, nx, ny, own)
                     closing = max(closing, speed)
     return touching, closing
+
+
+@inlined
+def _triple(rows: FloatArray, v: int) -> Triple:
+    """Row `v` of (vessel, 3)."""
+    return rows[v, 0], rows[v, 1], rows[v, 2]
 
 
 @kernel
@@ -196,16 +204,16 @@ def touches(
     touching, closing : (vessel,) written: in contact, and the fastest approach [m/s]
     """
     for v in range(pose.shape[0]):
-        touching[v], closing[v] = _touch_quays(pose[v], velocity[v], size[v], framed, pitch_m)
+        a, moves, size_a = _triple(pose, v), _triple(velocity, v), (size[v, 0], size[v, 1])
+        touching[v], closing[v] = _touch_quays(a, moves, size_a, framed, pitch_m)
         wide = math.hypot(size[v, 0], size[v, 1])
         for w in range(v):
             reach = wide + math.hypot(size[w, 0], size[w, 1])
             if math.hypot(pose[v, 0] - pose[w, 0], pose[v, 1] - pose[w, 1]) > reach:
                 continue
-            hit, nx, ny, own = contact(pose[v], pose[w], size[v], size[w])
+            b, other, size_b = _triple(pose, w), _triple(velocity, w), (size[w, 0], size[w, 1])
+            hit, nx, ny, own = contact(a, b, size_a, size_b)
             if hit:
                 touching[v] = touching[w] = True
-                speed = closing_speed(
-                    pose[v], pose[w], velocity[v], velocity[w], size[v], size[w], nx, ny, own
-                )
+                speed = closing_speed(a, b, moves, other, size_a, size_b, nx, ny, own)
                 closing[v], closing[w] = max(closing[v], speed), max(closing[w], speed)

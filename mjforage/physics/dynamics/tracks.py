@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.base.device import Launch
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all, scatter_rows
+from mjforage.base.wholes import floor
 from mjforage.physics.dynamics.camera import Camera, sight_items, variance
 from mjforage.physics.floating.quays import is_clear
 
@@ -74,7 +76,7 @@ def afloat(grid: LandGrid, x: float, y: float) -> tuple[float, float]:
     land, pitch = grid.land, grid.pitch_m
     if land.size == 0 or is_clear(land, pitch, RADIUS_M, x, y):
         return x, y
-    column, row = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
+    column, row = floor(x / pitch + 0.5), floor(y / pitch + 0.5)
     least, best_x, best_y = np.inf, x, y
     for i in range(max(column - 1, 0), min(column + 2, land.shape[0] - 2)):
         for j in range(max(row - 1, 0), min(row + 2, land.shape[1] - 2)):
@@ -143,11 +145,12 @@ def note_ashore(
     share = step_s / (ASHORE_S + step_s)
     if math.isnan(seen[0]):
         place[:] = np.nan
-        ashore *= 1.0 - share
+        ashore[0], ashore[1] = ashore[0] * (1.0 - share), ashore[1] * (1.0 - share)
         return
     if math.isnan(place[0]):
-        place[:] = seen
-    place += share * (seen - place)
+        place[0], place[1] = seen[0], seen[1]
+    place[0] += share * (seen[0] - place[0])
+    place[1] += share * (seen[1] - place[1])
     x, y = afloat(grid, place[0], place[1])
     ashore[0], ashore[1] = x - place[0], y - place[1]
 
@@ -225,3 +228,7 @@ def tracked(
                 x = tracks.xy[e, v, k, 0] + t * tracks.velocity[e, v, k, 0]
                 y = tracks.xy[e, v, k, 1] + t * tracks.velocity[e, v, k, 1]
                 out[e, v, k, 0], out[e, v, k, 1] = afloat(grid, x, y)
+
+
+LOOK_OUT = Launch(look_out, shared="grid collects")
+TRACKED = Launch(tracked, shared="grid")

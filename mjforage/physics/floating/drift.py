@@ -1,11 +1,13 @@
 """Moving the items that have no body, by the integrators of `simulation.integrators`."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.device import Launch
 from mjforage.physics.callback.model_layout import CLASS_WIDTH
 from mjforage.physics.floating.quays import Quays, beside_quays, is_clear
 from mjforage.physics.hydrodynamics.item_drag import item_load
@@ -139,6 +141,9 @@ def drift(
                 else:
                     x, y, vx, vy = _runge_kutta(item, x, y, vx, vy, quays, land, step_s)
             q[e, k, 0], q[e, k, 1], v[e, k, 0], v[e, k, 1] = x, y, vx, vy
-            if not np.isfinite(x + y):
+            if not math.isfinite(x + y):
                 return e, k
     return -1, -1
+
+
+DRIFT = Launch(drift, shared="kinds quays")

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.wholes import floor
 from mjforage.forcing import LEEWAY
 from mjforage.physics.floating.drift import Afloat
 from mjforage.physics.floating.quays import Quays
@@ -68,7 +69,7 @@ def near_pairs(afloat: Afloat, e: int, reach_m: float, scratch: Scratch, pairs: 
             continue
         x, y = q[e, k, 0], q[e, k, 1]
         in_x, in_y = x * per_m, y * per_m
-        own_i, own_j = math.floor(in_x), math.floor(in_y)
+        own_i, own_j = floor(in_x), floor(in_y)
         in_x, in_y = in_x - own_i, in_y - own_j  # from 0 to 1
         for i in range(own_i - (in_x < SHARE), own_i + 1 + (in_x > 1.0 - SHARE)):
             for j in range(own_j - (in_y < SHARE), own_j + 1 + (in_y > 1.0 - SHARE)):
@@ -103,7 +104,7 @@ def _bounds(quays: Quays, state: Float64Array) -> Float64Array:
     for k in range(len(state)):
         x, y = state[k, 0], state[k, 1]
         free_x, free_y, side_x, side_y = far, far, 1, 1
-        i, j = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
+        i, j = floor(x / pitch + 0.5), floor(y / pitch + 0.5)
         if 0 <= i < land.shape[0] - 2 and 0 <= j < land.shape[1] - 2:
             off_x, off_y = x - i * pitch, y - j * pitch
             i, j = i + 1, j + 1  # of the frame

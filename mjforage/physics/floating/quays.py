@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.wholes import floor
 
 _LEAST = 1e-15  # MuJoCo's mjMINVAL
 
@@ -95,7 +96,7 @@ def push(quays: Quays, depth_m: float, speed: float, free: float, mass_kg: float
 @inlined
 def is_clear(land: NDArray[np.bool_], pitch_m: float, radius_m: float, x: float, y: float) -> bool:
     """True if an item at (x, y) [m] touches nothing, since it is amid the water of its cell."""
-    i, j = math.floor(x / pitch_m + 0.5), math.floor(y / pitch_m + 0.5)
+    i, j = floor(x / pitch_m + 0.5), floor(y / pitch_m + 0.5)
     off = max(abs(x - i * pitch_m), abs(y - j * pitch_m))
     inside = 0 <= i < land.shape[0] - 2 and 0 <= j < land.shape[1] - 2
     return bool(off <= 0.5 * pitch_m - radius_m and inside and not land[i + 1, j + 1])
@@ -113,7 +114,7 @@ def beside_quays(
     ax, ay : its acceleration without contacts [m/s2]
     """
     land, pitch, radius = quays.land, quays.pitch_m, quays.radius_m
-    i, j = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
+    i, j = floor(x / pitch + 0.5), floor(y / pitch + 0.5)
     off_x, off_y = x - i * pitch, y - j * pitch
     side_x, side_y = 1 if off_x > 0.0 else -1, 1 if off_y > 0.0 else -1
     gap_x, gap_y = 0.5 * pitch - abs(off_x), 0.5 * pitch - abs(off_y)

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.base.device import Launch
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key, uniform
+from mjforage.base.wholes import floor
 from mjforage.controllers.navigation import SensorErrors
 from mjforage.forcing.gauss_markov import gauss_markov_pair
 from mjforage.physics.positioning.model import POSITIONING, FloatArray, Measured
@@ -43,7 +45,7 @@ def in_outage(outages: Outages, key: np.uint64, v: int, tick: int) -> bool:
         return False
     period = round(outages.every_s / outages.tick_s)
     length = round(outages.length_s / outages.tick_s)
-    start = 1 + math.floor((period - length) * uniform(key, v, tick // period))
+    start = 1 + floor((period - length) * uniform(key, v, tick // period))
     return bool(start <= tick % period < start + length)
 
 
@@ -65,8 +67,9 @@ def _measure(
         drift, gaps = stream_key(keys[k], Stream.POSITION), stream_key(keys[k], Stream.OUTAGES)
         compass, then = stream_key(keys[k], Stream.COMPASS), max(tick[k] - e.latency, 0)
         for v in range(pose.shape[1]):
-            memory.past[k, tick[k] % slots, v, :3] = pose[k, v]
-            memory.past[k, tick[k] % slots, v, 3:] = velocity[k, v]
+            for axis in range(3):
+                memory.past[k, tick[k] % slots, v, axis] = pose[k, v, axis]
+                memory.past[k, tick[k] % slots, v, 3 + axis] = velocity[k, v, axis]
             x, y, yaw, vx, vy, rate = memory.past[k, then % slots, v]
             out = in_outage(outages, gaps, v, then)
             if not out:
@@ -85,6 +88,9 @@ def _measure(
             c, s = math.cos(turn), math.sin(turn)
             seen.velocity[k, v, 0], seen.velocity[k, v, 1] = c * vx - s * vy, s * vx + c * vy
             seen.velocity[k, v, 2] = rate
+
+
+MEASURE = Launch(_measure)
 
 
 @POSITIONING.register("gnss")

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.base.device import Launch
 from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key
 from mjforage.physics.positioning.model import POSITIONING, FloatArray, Measured
 from mjforage.scenario.scenario import Sensors
@@ -18,17 +19,19 @@ def _noisy(
     position_m: float,
     heading_rad: float,
     pose: FloatArray,
-) -> FloatArray:
-    """Poses with noise drawn from (episode, vessel, axis, tick)."""
-    result = np.empty_like(pose)
+    noisy: FloatArray,
+) -> None:
+    """Write poses with noise drawn from (episode, vessel, axis, tick)."""
     for e in range(keys.size):
         key = stream_key(keys[e], Stream.SENSORS)
         for v in range(pose.shape[1]):
             for axis in range(3):
                 spread = heading_rad if axis == 2 else position_m
                 noise = spread * normal(key, 3 * v + axis, tick[e])
-                result[e, v, axis] = pose[e, v, axis] + noise
-    return result
+                noisy[e, v, axis] = pose[e, v, axis] + noise
+
+
+NOISY = Launch(_noisy)
 
 
 @POSITIONING.register("white")
@@ -52,5 +55,6 @@ class White:
         heading = math.radians(self._heading)
         if self._position == 0.0 and heading == 0.0:
             return Measured(pose, velocity, self._fix)
-        noisy = np.asarray(_noisy(keys, tick, self._position, heading, pose))
+        noisy = np.empty_like(pose)
+        _noisy(keys, tick, self._position, heading, pose, noisy)
         return Measured(noisy, velocity, self._fix)

@@ -1,0 +1,198 @@
+"""Kernels of ours on a GPU, from the source that numba compiles for a processor.
+
+A kernel goes through the episodes of a batch. On a GPU each of many threads calls it with views of
+one episode alone, so that the kernel itself need not know. What episodes share stays whole, and
+memory that they use one after the other is there once for each.
+
+Results differ from a processor's in their last bits: CUDA has functions such as `sin` of its own
+and joins a product and a sum. Kernels for it allocate no arrays and set no array to another one.
+"""
+
+import importlib
+import os
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+from mjforage.base.extras import require
+
+THREADS = 32  # of a block: few, so that a small batch has blocks for all multiprocessors
+FIRST = np.zeros(1, np.int64)  # index of the one episode that a thread has
+Kind = Any  # "array", "number", or the class of a tuple and the kinds of its parts
+SIMULATED = os.environ.get("NUMBA_ENABLE_CUDASIM") == "1"  # in Python, see numba's documentation
+_THREAD = """
+def thread(episodes, arguments):
+    e = cuda.grid(1)
+    if e < episodes:
+        kernel({})
+"""
+
+
+def require_gpu(what: str) -> None:
+    """Refuse to go on without a GPU.
+
+    Parameters
+    ----------
+    what : that needs it, for the message
+
+    Raises
+    ------
+    UserError
+        If there is none, or the libraries for it are missing.
+    """
+    require(what, "numba_cuda")
+    if not _cuda().is_available():
+        raise UserError(f"{what}: there is no GPU with a CUDA driver here; leave it out")
+
+
+class OnDevice:
+    """Arrays of the host and their copies on the GPU; the same array has the same copy."""
+
+    def __init__(self) -> None:
+        self._copies: dict[int, tuple[NDArray[Any], Any]] = {}
+
+    def of(self, array: NDArray[Any]) -> Any:
+        """The copy of an array, made when it is first asked for."""
+        if id(array) not in self._copies:
+            self._copies[id(array)] = array, _copied(array)
+        return self._copies[id(array)][1]
+
+    def share(self, array: NDArray[Any], copy: Any) -> None:
+        """Let an array of Warp or torch, of the same kind and shape, stand for one of the host."""
+        self._copies[id(array)] = array, _cuda().as_cuda_array(copy)
+
+    def send(self, array: NDArray[Any]) -> None:
+        """Write what an array of the host holds into its copy."""
+        _write(array, self.of(array))
+
+    def fetch(self, array: NDArray[Any]) -> NDArray[Any]:
+        """Write what its copy holds into an array of the host, and return that."""
+        copy = self.of(array)
+        array[...] = copy if SIMULATED else copy.copy_to_host()
+        return array
+
+
+class Launch:
+    """A kernel, one thread for each episode of a batch."""
+
+    def __init__(
+        self, kernel: Callable[..., object], *, shared: str = "", memory: str = ""
+    ) -> None:
+        """Say which arrays have no axis of episodes; all others have it as their first one.
+
+        An argument `ids`, indices of episodes, is a mask of them on the device.
+
+        Parameters
+        ----------
+        kernel : one of this package
+        shared : names of arrays that all episodes share, by a blank: of an argument, of a field of
+            a named tuple, or both with a point between them
+        memory : names of arrays that one episode after the other uses; each thread has its own
+        """
+        self.kernel, self._shared, self._memory = kernel, shared.split(), memory.split()
+        self._compiled: dict[object, Any] = {}
+
+    def arguments(self, device: OnDevice, episodes: int, *given: object) -> tuple[Any, ...]:
+        """The arguments with arrays of the device in place of those of the host."""
+        return tuple(
+            self._moved(device, episodes, name, value)
+            for name, value in zip(names_of(self.kernel), given, strict=True)
+        )
+
+    def __call__(self, episodes: int, *arguments: object, stream: Any = 0) -> None:
+        """Run the kernel on arguments of the device; it may still run when this returns."""
+        kinds = tuple(map(kind_of, arguments))
+        if kinds not in self._compiled:
+            self._compiled[kinds] = _cuda().jit(self.thread(*kinds))
+        blocks = -(-episodes // THREADS)
+        self._compiled[kinds][blocks, THREADS, stream](episodes, arguments)
+
+    def thread(self, *kinds: Kind) -> Callable[..., None]:
+        """What each thread runs, of (number of episodes, arguments), to be compiled for CUDA."""
+        known = {"kernel": self.kernel, "cuda": _cuda(), "FIRST": FIRST}
+        parts = [
+            self._view(name, f"arguments[{k}]", kind, known)
+            for k, (name, kind) in enumerate(zip(names_of(self.kernel), kinds, strict=True))
+        ]
+        exec(_THREAD.format(", ".join(parts)), known)  # our own text
+        return cast(Callable[..., None], known["thread"])
+
+    def is_memory(self, name: str) -> bool:
+        """True if each thread has an array of this name of its own."""
+        return _is_in(name, self._memory)
+
+    def _moved(self, device: OnDevice, episodes: int, name: str, value: Any) -> Any:
+        if isinstance(value, tuple):
+            inside = [f"{name}.{one}" for one in _fields(type(value), len(value))]
+            parts = [
+                self._moved(device, episodes, *each) for each in zip(inside, value, strict=True)
+            ]
+            return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+        if not isinstance(value, np.ndarray):
+            return value
+        if self.is_memory(name):
+            return _copied(np.broadcast_to(value, (episodes, *value.shape)))
+        return device.of(value)
+
+    def _view(self, name: str, text: str, kind: Kind, known: dict[str, Any]) -> str:
+        """The text of an argument, or a part of one, as a thread gives it to the kernel."""
+        if isinstance(kind, tuple):
+            made, parts = kind[0], kind[1:]
+            fields = _fields(made, len(parts))
+            named = hasattr(made, "_fields")
+            inside = [f"{text}.{one}" if named else f"{text}[{one}]" for one in fields]
+            names = [f"{name}.{one}" for one in fields]
+            views = [self._view(*each, known) for each in zip(names, inside, parts, strict=True)]
+            known[made.__name__] = made
+            return f"{made.__name__ if named else ''}({', '.join(views)},)"
+        if kind == "number" or _is_in(name, self._shared):
+            return text
+        if name == "ids":
+            return f"FIRST[: 1 if {text}[e] else 0]"
+        return f"{text}[e]" if self.is_memory(name) else f"{text}[e : e + 1]"
+
+
+def _cuda() -> Any:
+    """The module of numba for CUDA, which takes a while to import."""
+    return importlib.import_module("numba.cuda")
+
+
+@cache
+def names_of(kernel: Any) -> tuple[str, ...]:
+    """Names of a kernel's arguments."""
+    code = getattr(kernel, "py_func", kernel).__code__
+    return tuple(code.co_varnames[: code.co_argcount])
+
+
+def kind_of(value: Any) -> Kind:
+    """What the text of a thread depends on."""
+    if isinstance(value, tuple):
+        return (type(value), *map(kind_of, value))
+    return "array" if hasattr(value, "shape") and value.shape != () else "number"
+
+
+def _fields(kind: Any, parts: int) -> Sequence[str]:
+    """Names of a tuple's parts, or their numbers."""
+    names: Sequence[str] = getattr(kind, "_fields", tuple(map(str, range(parts))))
+    return names
+
+
+def _is_in(name: str, wanted: list[str]) -> bool:
+    """True if a name, of an argument and fields within it, has one of these among its parts."""
+    return any(f".{one}." in f".{name}." for one in wanted)
+
+
+def _copied(array: NDArray[Any]) -> Any:
+    whole = np.ascontiguousarray(array)
+    return whole.copy() if SIMULATED else _cuda().to_device(whole)
+
+
+def _write(array: NDArray[Any], copy: Any) -> None:
+    if SIMULATED:
+        copy[...] = array
+    else:
+        copy.copy_to_device(np.ascontiguousarray(array))

@@ -1,0 +1,96 @@
+"""Kernels that a GPU runs, as short missions call them."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from mjforage.base.compiled import BoundKernel
+from mjforage.base.device import Launch
+from mjforage.controllers import navigation, pilot
+from mjforage.forcing import forcing
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission import item_rule
+from mjforage.mission.sensors import sensing_update
+from mjforage.mission.setup import Setup
+from mjforage.physics.dynamics import collecting, item_bodies, mujoco_dynamics, period_monitor
+from mjforage.physics.dynamics import tracks as item_tracks
+from mjforage.physics.floating.drift import DRIFT
+from mjforage.physics.positioning import gnss, white
+from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
+
+LAUNCHES = {
+    "command": pilot.COMMAND,
+    "giving_way": pilot.GIVING_WAY,
+    "navigate": navigation.NAVIGATE,
+    "noisy": white.NOISY,
+    "measure": gnss.MEASURE,
+    "monitor": period_monitor.MONITOR,
+    "judge": period_monitor.JUDGE,
+    "seek": collecting.SEEK,
+    "collect_at_mouth": collecting.COLLECT_AT_MOUTH,
+    "look_out": item_tracks.LOOK_OUT,
+    "tracked": item_tracks.TRACKED,
+    "read_items": item_bodies.READ_ITEMS,
+    "drift": DRIFT,
+    "wind": forcing.WIND,
+    "current": forcing.CURRENT,
+    "item_noise": forcing.ITEM_NOISE,
+    "collect": item_rule.COLLECT,
+    "sense_perfectly": sensing_update.SENSE_PERFECTLY,
+    "sense_imperfectly": sensing_update.SENSE_IMPERFECTLY,
+}
+SCENARIOS = ("comb-port", "comb-port-weather", "comb-port-gnss")
+EPISODES, DECISIONS = 3, 2
+_CALLED = (
+    (white, "_noisy", "noisy"),
+    (gnss, "_measure", "measure"),
+    (mujoco_dynamics, "judge", "judge"),
+    (mujoco_dynamics, "seek", "seek"),
+    (mujoco_dynamics, "collect_at_mouth", "collect_at_mouth"),
+    (mujoco_dynamics, "tracked", "tracked"),
+    (mujoco_dynamics, "read_items", "read_items"),
+    (mujoco_dynamics, "collect", "collect"),
+)
+
+Watcher = Callable[[str, tuple[Any, ...], Callable[[], Any]], Any]
+"""Is given the name of a kernel, its arguments, and what calls it; returns what that returns."""
+
+
+def fly() -> None:
+    """Short missions that call every kernel."""
+    for name in SCENARIOS:
+        mission = create_mission(Setup.of(load_scenario(name, [f"horizon={DECISIONS}"])), "physics")
+        mission.reset(0, np.arange(EPISODES))
+        mission.run(create_policy("greedy"))
+
+
+@contextmanager
+def watched(watcher: Watcher) -> Iterator[None]:
+    """Have every call of these kernels by Python go through a watcher."""
+    by_kernel = {id(launch.kernel): name for name, launch in LAUNCHES.items()}
+    plain = BoundKernel.__call__
+
+    def bound(self: Any, *rest: Any) -> Any:
+        name = by_kernel.get(id(self._function))
+        if name is None:
+            return plain(self, *rest)
+        return watcher(name, (*self._fixed, *rest), lambda: plain(self, *rest))
+
+    def called(name: str, launch: Launch) -> Callable[..., Any]:
+        return lambda *given: watcher(name, given, lambda: launch.kernel(*given))
+
+    patches = [patch.object(BoundKernel, "__call__", bound)]
+    patches += [
+        patch.object(module, there, called(name, LAUNCHES[name])) for module, there, name in _CALLED
+    ]
+    for one in patches:
+        one.start()
+    try:
+        yield
+    finally:
+        for one in patches:
+            one.stop()

@@ -1,0 +1,55 @@
+"""Missions in which numba's simulator of CUDA repeats every call of a kernel; prints how many."""
+
+import copy
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from mjforage.base.device import Launch, OnDevice, names_of
+from tests.mjforage.physics.dynamics.device_kernels import EPISODES, LAUNCHES, fly, watched
+
+CALLS = 4  # of each kernel that are compared
+
+seen: Counter[str] = Counter()
+
+
+def _arrays(launch: Launch, name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Arrays of an argument, by name, without memory."""
+    if isinstance(value, tuple):
+        names = getattr(value, "_fields", range(len(value)))
+        for field, part in zip(names, value, strict=True):
+            yield from _arrays(launch, f"{name}.{field}", part)
+    elif isinstance(value, np.ndarray) and not launch.is_memory(name):
+        yield name, value
+
+
+def _compared(name: str, given: tuple[Any, ...], call: Callable[[], Any]) -> Any:
+    """Call a kernel, and launch it on a copy of its arguments as they were."""
+    launch = LAUNCHES[name]
+    if seen[name] >= CALLS:
+        return call()
+    seen[name] += 1
+    before, answer = copy.deepcopy(given), call()
+    names = names_of(launch.kernel)
+    if "ids" in names:
+        mask, at = np.zeros(EPISODES, np.bool_), names.index("ids")
+        mask[before[at]] = True
+        before = (*before[:at], mask, *before[at + 1 :])
+    device = OnDevice()
+    launch(EPISODES, *launch.arguments(device, EPISODES, *before))
+    for argument, old, new in zip(names, before, given, strict=True):
+        if argument == "ids":
+            continue
+        found = dict(_arrays(launch, argument, old))
+        for where, array in _arrays(launch, argument, new):
+            assert device.fetch(found[where]).tobytes() == array.tobytes(), f"{name}: {where}"
+    return answer
+
+
+if __name__ == "__main__":
+    with watched(_compared):
+        fly()
+    sys.stdout.write(" ".join(sorted(seen)))
