@@ -112,7 +112,7 @@ class Launch:
         self._compiled[kinds][blocks, THREADS, stream](episodes, arguments)
 
     def thread(self, *kinds: Kind) -> Callable[..., None]:
-        """What each thread runs, of (number of episodes, arguments), to be compiled for CUDA."""
+        """The function of a thread, of (number of episodes, arguments), to be compiled for CUDA."""
         known = {"kernel": self.kernel, "cuda": _cuda(), "FIRST": FIRST}
         parts = [
             self._view(name, f"arguments[{k}]", kind, known)
@@ -169,7 +169,7 @@ def names_of(kernel: Any) -> tuple[str, ...]:
 
 
 def kind_of(value: Any) -> Kind:
-    """What the text of a thread depends on."""
+    """The kind of a value, on which the text of a thread depends."""
     if isinstance(value, tuple):
         return (type(value), *map(kind_of, value))
     return "array" if hasattr(value, "shape") and value.shape != () else "number"

@@ -318,7 +318,7 @@ class Forcing:
         return np.ascontiguousarray(np.broadcast_to(np.asarray(t_s, np.float64), (len(self),)))
 
     def _ask(self, query: BoundKernel[None], t_s: ArrayLike, xy: FloatArray) -> FloatArray:
-        """What a kernel says of points (episode, point, 2) [m], of the same shape."""
+        """The answer of a kernel at points (episode, point, 2) [m], of the same shape."""
         out = np.empty(xy.shape)
         query(self._times(t_s), np.ascontiguousarray(xy, np.float64), out)
         return out
