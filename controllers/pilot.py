@@ -257,6 +257,12 @@ class Pilot:
         )
         return self._commands
 
+    def arguments(
+        self, active: NDArray[np.bool_], pose: FloatArray, velocity: FloatArray
+    ) -> tuple[FleetArrays, float, FloatArray, NDArray[np.bool_], FloatArray, FloatArray]:
+        """Those of the kernel behind `command`, for a `COMMAND` on a GPU."""
+        return self._fleets, self._step_s, self._commands, active, pose, velocity
+
     @property
     def lame(self) -> NDArray[np.bool_]:
         """(episode, vessel) whether one of its thrusters is nearly dead, as noticed."""

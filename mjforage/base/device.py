@@ -63,7 +63,8 @@ class OnDevice:
 
     def share(self, array: NDArray[Any], copy: Any) -> None:
         """Let an array of Warp or torch, of the same kind and shape, stand for one of the host."""
-        self._copies[id(array)] = array, _cuda().as_cuda_array(copy)
+        shared = copy.numpy() if SIMULATED else _cuda().as_cuda_array(copy)
+        self._copies[id(array)] = array, shared
 
     def send(self, array: NDArray[Any]) -> None:
         """Write what an array of the host holds into its copy."""

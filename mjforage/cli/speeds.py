@@ -2,17 +2,31 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 from rich.table import Table
 
 from mjforage.base.errors import UserError
+from mjforage.base.extras import require
 from mjforage.cli.console import OUT, app, errors, print_table
+
+if TYPE_CHECKING:
+    from mjforage.bench.running import Progress, Rate
 
 
 def _rounded(value: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def _on_gpu(progress: "Progress") -> "dict[str, Rate]":
+    from mjforage.base.device import require_gpu
+
+    require("bench --device", "mujoco_warp")
+    require_gpu("bench --device")
+    from mjforage.bench.on_gpu import speeds
+
+    return speeds(progress)
 
 
 @app.command
@@ -20,6 +34,7 @@ def bench(
     *,
     out: Annotated[Path | None, Parameter(name=OUT.name, alias=("--output", "--json"))] = None,
     decisions: Annotated[bool, Parameter(negative="")] = False,
+    device: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Measure speeds on this machine, in CPU seconds of one core.
 
@@ -30,6 +45,8 @@ def bench(
         slices and the fastest; or a list of decision times.
     decisions
         Only the time of one decision of every policy, for a fleet of 4, 16 and 64 agents.
+    device
+        Only fleets on a GPU: hulls, controllers and drifting items, per second.
     """
     from mjforage.base.atomic_files import write_json
     from mjforage.bench import decisions as deciding
@@ -51,7 +68,7 @@ def bench(
                 table.add_row(one.policy, str(one.agents), f"{one.ms:.3g}", span, one.reason)
             found = [asdict(one) for one in times]
         else:
-            figures = running.bench(progress)
+            figures = _on_gpu(progress) if device else running.bench(progress)
             table = Table("figure", "value", "quickest", "unit")
             for key, speed in figures.items():
                 table.add_row(key, _rounded(speed.value), _rounded(speed.quickest), speed.unit)

@@ -139,6 +139,11 @@ class WarpHulls:
         """Set the commands (world, vessel, 2), port and starboard, [rad/s] or [N]."""
         self._data.ctrl.assign(commands.reshape(len(commands), -1).astype(np.float32))
 
+    @property
+    def live(self) -> tuple[Any, Any, Any]:
+        """Warp's own places, velocities (world, 3 x vessel) and commands (world, 2 x vessel)."""
+        return self._data.qpos, self._data.qvel, self._data.ctrl
+
     def surround(self, **inputs: NDArray[np.float64] | float) -> None:
         """Set fields of `vessel_motion.Surroundings`, (world, vessel) each or what broadcasts."""
         around = self._around.numpy()

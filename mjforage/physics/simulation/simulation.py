@@ -24,6 +24,7 @@ from mjforage.physics.callback.model_layout import (
 from mjforage.physics.floating import (
     Afloat,
     Bodies,
+    Quays,
     activate,
     drift,
     quays_of,
@@ -283,6 +284,11 @@ class Simulation:
         self._afloat.v[which] = 0.0
         parked = self.item_class[which] < 0
         self._afloat.q[which] = np.where(parked[..., None], self._parking, xy)
+
+    @property
+    def item_kinds(self) -> tuple[Float64Array, Quays]:
+        """Kinds of items (class, 3), see `Afloat`, and the quays that they meet."""
+        return self._afloat.kinds, self._quays
 
     def remove_items(self, which: NDArray[np.bool_]) -> None:
         """Take items (simulation, item) off the water."""

@@ -24,7 +24,7 @@ CAPABILITY = (9, 0)  # of an H100 and an H200
 def test_simulated_threads_give_what_the_kernels_give() -> None:
     """Bit for bit: numba's simulator calls the kernels of the processor."""
     pytest.importorskip("numba_cuda")
-    command = [sys.executable, "-m", "tests.mjforage.physics.dynamics.simulated_device"]
+    command = [sys.executable, "-m", "tests.mjforage.physics.dynamics.repeated_on_device"]
     simulated = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1"}
     found = subprocess.run(command, env=simulated, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr[-2000:]
@@ -53,7 +53,7 @@ def test_it_compiles_for_a_gpu(name: str, flown: None) -> None:
     kinds = cast(Any, types)
     with _without_a_driver():
         text, _ = importlib.import_module("numba.cuda").compile_ptx(
-            thread, (kinds.int64, kinds.Tuple(arguments)), cc=CAPABILITY
+            thread, (kinds.int64, kinds.Tuple(arguments)), cc=CAPABILITY, opt=False
         )
     assert ".target sm_90" in text and ".entry" in text
 

@@ -1,0 +1,65 @@
+"""Speed of fleets on a GPU: hulls, controllers and drifting items, see `DeviceFleet`."""
+
+import time
+
+import numpy as np
+
+from mjforage.bench.running import Progress, Rate
+from mjforage.controllers import Chart
+from mjforage.forcing import LEEWAY
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.physics.device_fleet import DeviceFleet
+from mjforage.physics.port_drive import FLEET, ITEMS, PITCH_M, WIND_MPS
+from mjforage.physics.scene import build_scene
+from mjforage.physics.vessels import load_vessel
+from mjforage.scenario.maps import load_map
+
+BATCHES = (1024, 4096, 16384)
+TICKS, ORDERS_TICKS = 400, 100  # of a measurement, and from orders to orders
+UNIT = "fleet steps of 0.1 s per second (4 vessels steered, 75 drifting items)"
+
+
+def port_fleet(episodes: int, items: int = ITEMS, seed: int = 0) -> DeviceFleet:
+    """Fleets and items at random nodes of the default port, under orders and wind."""
+    water = load_map("comb_port").navigable
+    graph, rng = navigation_graph(water, PITCH_M, False), np.random.default_rng(seed)
+    vessels = [load_vessel(name) for name in FLEET]
+    scene = build_scene(vessels, navigable=water, pitch_m=PITCH_M, items=0)
+    fleet = DeviceFleet(scene, Chart(graph.navigable, PITCH_M), episodes, items)
+    centres = graph.metres(np.stack((graph.rows, graph.cols), axis=1).astype(np.float64))
+    nodes = np.stack([rng.permutation(len(graph))[: len(FLEET)] for _ in range(episodes)])
+    pose = np.zeros((episodes, len(FLEET), 3))
+    pose[..., :2], pose[..., 2] = centres[nodes], rng.uniform(0.0, 6.28, nodes.shape)
+    fleet.place(pose)
+    afloat = fleet.afloat
+    afloat.q[:] = centres[rng.integers(0, len(graph), (episodes, items))]
+    afloat.q[:] += rng.uniform(-1.0, 1.0, afloat.q.shape)
+    afloat.kind[:] = rng.integers(0, len(afloat.kinds), afloat.kind.shape)
+    afloat.wind[:], afloat.v[:] = WIND_MPS, LEEWAY * np.array(WIND_MPS)
+    give_orders(fleet, rng)
+    return fleet
+
+
+def give_orders(fleet: DeviceFleet, rng: np.random.Generator) -> None:
+    """Send every vessel some metres from where it is."""
+    fleet.fetch()
+    origin = fleet.pose[..., :2].copy()
+    target = origin + rng.choice((-PITCH_M, 0.0, PITCH_M), origin.shape)
+    fleet.pilot.order(fleet.active, origin, target, np.zeros(origin.shape[:2], np.bool_))
+    fleet.send()
+
+
+def speeds(progress: Progress = lambda key: None) -> dict[str, Rate]:
+    """Measure batches of several sizes; the first ticks, which compile, do not count."""
+    found = {}
+    for episodes in BATCHES:
+        progress(key := f"device_fleets_{episodes}")
+        fleet, rng, rates = port_fleet(episodes), np.random.default_rng(1), []
+        fleet.run(2)
+        for _ in range(TICKS // ORDERS_TICKS):
+            give_orders(fleet, rng)
+            started = time.perf_counter()
+            fleet.run(ORDERS_TICKS)
+            rates.append(episodes * ORDERS_TICKS / (time.perf_counter() - started))
+        found[key] = Rate(float(np.median(rates)), max(rates), UNIT)
+    return found
