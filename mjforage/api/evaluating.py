@@ -12,7 +12,7 @@ from mjforage.api.checks import Named
 from mjforage.api.players import Players, Policies
 from mjforage.api.progress import bar
 from mjforage.api.run import Run
-from mjforage.api.scenarios import scenario_of
+from mjforage.api.scenarios import on_device, scenario_of
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import World, ladder_of
@@ -20,6 +20,7 @@ from mjforage.runs.evaluate import evaluate as run_evaluate
 from mjforage.runs.resuming import Resume
 from mjforage.runs.selection import USUAL
 from mjforage.runs.workers import Workers
+from mjforage.scenario.scenario import Device
 
 
 def evaluate(
@@ -29,6 +30,7 @@ def evaluate(
     episodes: int = 100,
     seed: int = 0,
     world: World | Sequence[World] = "graph",
+    device: Device | None = None,
     jobs: int = 1,
     folder: Named | None = None,
     metrics: Sequence[str] = (),
@@ -52,6 +54,8 @@ def evaluate(
     episodes : for each policy and world
     seed : 0 to 2**64 - 1; episode i is the same for every policy and world
     world : one world or several; see `mf.names("worlds")`
+    device : engine of the hulls, that of the scenario by default: "cpu", or MuJoCo Warp on this
+        processor ("warp-cpu", slow) or on a GPU ("cuda"); another device is another run
     jobs : processes
     folder : run folder, as the command line writes it; what it holds of the same run is resumed.
         None: nothing is left on disk
@@ -92,6 +96,7 @@ def evaluate(
             bar("evaluate", "episodes", progress) as shown,
         ):
             setup = scenario_of(scenario, changes, evaluate)
+            setup = on_device(setup, device, options["worlds"])
             run_evaluate(setup, names, target, progress=shown, **options)
     except KeyboardInterrupt:
         if not (target / "run.json").is_file():
@@ -109,6 +114,7 @@ def compare(
     *,
     episodes: int = 20,
     ladder: bool = False,
+    device: Device | None = None,
     seed: int = 0,
     jobs: int = 1,
     folder: Named | None = None,
@@ -126,7 +132,8 @@ def compare(
     scenario, policies : as of `evaluate`
     episodes : for each policy and world
     ladder : also the fidelity levels between, each with one effect more
-    seed, jobs, folder, metrics, record, resume, scheduler, progress, changes : as of `evaluate`
+    device, seed, jobs, folder, metrics, record, resume, scheduler, progress, changes : as of
+        `evaluate`
 
     Raises
     ------
@@ -150,6 +157,7 @@ def compare(
             episodes=episodes,
             seed=seed,
             world=ladder_of(setup.scenario) if ladder else ("graph", "physics"),
+            device=device,
             jobs=jobs,
             folder=folder,
             metrics=metrics,

@@ -10,7 +10,7 @@ from mjforage.api import checks
 from mjforage.api.checks import Named
 from mjforage.api.functions import Move
 from mjforage.api.players import Players, Policies
-from mjforage.api.scenarios import scenario_of
+from mjforage.api.scenarios import on_device, scenario_of
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import LegalMoves
@@ -20,6 +20,7 @@ from mjforage.mission.mission import Mission as Core
 from mjforage.mission.moves import preferences_of
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import WORLDS, World, create_mission
+from mjforage.scenario.scenario import Device
 
 
 class State(NamedTuple):
@@ -241,6 +242,7 @@ def make_mission(
     scenario: Setup | Named,
     *,
     world: World = "graph",
+    device: Device | None = None,
     batch: int | None = None,
     threads: int = 1,
     **changes: Any,
@@ -251,6 +253,7 @@ def make_mission(
     ----------
     scenario : as of `evaluate`
     world : one of `mf.names("worlds")`
+    device : as of `evaluate`
     batch : episodes side by side, the leading axis of every array; None: one, without that axis
     threads : on which a batch of hulls moves; results do not depend on it
     changes : as of `Scenario.replace`
@@ -273,6 +276,6 @@ def make_mission(
     """
     checks.one_of("world", world, WORLDS)
     number = None if batch is None else checks.whole("batch", batch, 1)
-    setup = scenario_of(scenario, changes, make_mission)
+    setup = on_device(scenario_of(scenario, changes, make_mission), device, [world])
     setup.check_memory(number or 1)
     return Mission(setup, world, number, checks.whole("threads", threads, 1))

@@ -1,11 +1,11 @@
 """Scenarios as a user of Python has them: names, files and objects."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import tomli_w
@@ -26,6 +26,7 @@ from mjforage.scenario.harbours import is_harbour
 from mjforage.scenario.map_files import is_shipped_map
 from mjforage.scenario.maps import PITCH_M, GridMap, load_map
 from mjforage.scenario.place import is_place
+from mjforage.scenario.scenario import Device
 from mjforage.scenario.scenario import Scenario as Settings
 
 VAR_KEYWORD = Parameter.VAR_KEYWORD
@@ -216,6 +217,19 @@ def scenario_of(
         found = Scenario(given.scenario, given.grid, given.following)
         return found.replace(**changes) if changes else found
     return load_scenario(given, **changes)
+
+
+def on_device(setup: Setup, device: Device | None, worlds: Collection[str]) -> Setup:
+    """A scenario with its hulls on a device, that of the scenario by default.
+
+    Raises `UserError` if there is no such device, or no hulls in any of the worlds.
+    """
+    if device is None:
+        return setup
+    checks.one_of("device", device, get_args(Device))
+    if device != "cpu" and set(worlds) <= {"graph"}:
+        raise UserError(f"device {device}: the graph world has no hulls; give world=physics")
+    return scenario_of(setup, {"physics.device": device})
 
 
 def _check_options(changes: Mapping[str, Any], call: Callable[..., Any]) -> None:

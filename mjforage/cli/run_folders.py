@@ -52,6 +52,8 @@ class RunOptions:
     detect
         Also print how many episodes a difference of this size in PTA_C [%] needs to be found in
         80 % of the runs, by the spread of the differences of this run.
+    device
+        Engine of the hulls: cpu, or MuJoCo Warp on this processor (warp-cpu) or on a GPU (cuda).
     """
 
     metric: Metrics = ()
@@ -61,6 +63,7 @@ class RunOptions:
     set: Overrides = ()
     replay: str = ",".join(str(one) for one in USUAL)
     detect: float | None = None
+    device: str | None = None
 
 
 DEFAULT = RunOptions()
@@ -165,7 +168,7 @@ def _play(
     for line in followed(setup):
         output.print(line, soft_wrap=True)
     how: dict[str, Any] = {"seed": choice.seed, "metrics": choice.metric, "record": recorded}
-    how |= {"resume": again.resume, **by.asked()}
+    how |= {"resume": again.resume, "device": choice.device, **by.asked()}
     with bar(words, "episodes") as progress:
         run = play(folder=folder, progress=progress, **how)
     if not run.complete:

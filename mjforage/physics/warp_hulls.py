@@ -24,6 +24,7 @@ from mjforage.physics.warp_contacts import ContactRows, check_room
 
 Parameters = struct_of(VesselParameters)
 Surroundings = struct_of(vessel_motion.Surroundings)
+wp.config.log_level = wp.LOG_ERROR  # else it prints on standard output
 CONTACTS = 16  # room for each vessel of a world: four corners at as many quays
 _PLAIN = DisableBit.NATIVECCD | DisableBit.WARMSTART
 """Boxes meet as on the CPU, and a step hangs on nothing but the state that it begins with."""
@@ -66,6 +67,12 @@ def _add_loads(
     mass[w, z + 2] = m_yaw
 
 
+def check_found(device: str) -> None:
+    """Refuse a device, as Warp names it, that is not there; raises `UserError`."""
+    if device != "cpu" and not wp.is_cuda_available():
+        raise UserError(f"device {device}: there is none here; give warp-cpu, or no device")
+
+
 class WarpHulls:
     """The vessels of a scene without items, in many worlds.
 
@@ -98,8 +105,7 @@ class WarpHulls:
         """
         if scene.items:
             raise UserError(f"warp: a scene with {scene.items} items; give one with none")
-        if device != "cpu" and not wp.is_cuda_available():
-            raise UserError(f"device {device}: there is none here; give cpu")
+        check_found(device)
         self._shift_s, self._vessels = half_step_s(Integrator.FAST, step_s), len(scene.vessels)
         self._room = contacts or CONTACTS * self._vessels
         model = prepared(scene, Integrator.FAST, step_s)
@@ -134,6 +140,27 @@ class WarpHulls:
         self._data.qpos.assign(pose.reshape(len(pose), -1).astype(np.float32))
         self._data.qvel.zero_()
         self._data.act.zero_()
+
+    def put(self, *state: NDArray[np.float64]) -> None:
+        """Set all that a step hangs on.
+
+        Parameters
+        ----------
+        state : poses half a step ahead (world, vessel, 3) and velocities (world, vessel, 3), as
+            MuJoCo has them; lagged commands and commands (world, vessel, 2); and the fields of
+            `vessel_motion.Surroundings` (world, vessel, 7)
+        """
+        data, flat = self._data, [part.reshape(len(part), -1).astype(np.float32) for part in state]
+        for array, part in zip((data.qpos, data.qvel, data.act, data.ctrl), flat, strict=False):
+            array.assign(part)
+        around = np.ascontiguousarray(flat[-1]).view(Surroundings.numpy_dtype())
+        self._around.assign(around)
+
+    def state(self) -> tuple[NDArray[np.float32], ...]:
+        """Poses half a step ahead, velocities, lagged commands, as of `put`."""
+        data, each = self._data, (-1, self._vessels)
+        q, v, act = data.qpos.numpy(), data.qvel.numpy(), data.act.numpy()
+        return q.reshape(*each, VESSEL_DOFS), v.reshape(*each, VESSEL_DOFS), act.reshape(*each, 2)
 
     def command(self, commands: NDArray[np.float64]) -> None:
         """Set the commands (world, vessel, 2), port and starboard, [rad/s] or [N]."""

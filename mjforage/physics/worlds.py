@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
+from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.navigation import NavigationGraph
@@ -126,6 +127,8 @@ def create_mission(
     kind = WORLDS[world]
     about = setup.graph, setup.fleet, kind.adapt(setup.scenario)
     place = setup.grid.place
+    if threads > 1 and kind.adapt(setup.scenario).physics.device != "cpu" and world != "graph":
+        raise UserError(f"threads {threads}: a device moves all episodes at once; give 1")
     if threads == 1 or world == "graph":
         return Mission(setup, kind.dynamics(*about, trajectory, place))
     from mjforage.physics.dynamics.threaded_dynamics import ThreadedDynamics

@@ -150,7 +150,9 @@ class Run:
             table_bytes(in_all, setup.scenario.horizon),
             "give fewer",
         )
-        setup.check_memory(min(episodes, max(map(chunk_size, worlds))), recorded=True)
+        device = setup.scenario.physics.device
+        largest = max(chunk_size(world, device) for world in worlds)
+        setup.check_memory(min(episodes, largest), recorded=True)
         setup = pinned(setup)
         info = run_info(setup, policies, worlds, episodes, seed, metrics)
         names = tuple(policies), tuple(worlds)
@@ -183,7 +185,8 @@ class Run:
         if not self.folder.complete:
             take_apart(self.folder)
         stored = self.folder.stored(self.worlds, self.policies)
-        self.chunks[:] = plan(self.policies, self.worlds, self.info["episodes"], stored)
+        device = self.setup.scenario.physics.device
+        self.chunks[:] = plan(self.policies, self.worlds, self.info["episodes"], stored, device)
 
     def merge(self, wall_s: float) -> None:
         """Merge the chunks into tables, and write their computing time to `run.json`.

@@ -31,6 +31,8 @@ from mjforage.scenario.scenario import Scenario, Sensors
 from mjforage.scenario.scenario_file import canonical_json, scenario_to_tree
 from mjforage.scenario.vessel_files import hull_names
 
+WARP = "mujoco-warp", "warp-lang"  # libraries that move hulls on a device
+
 
 def pinned(setup: Setup) -> Setup:
     """The same setup with the starts beside its map and all of its record's path in its scenario.
@@ -62,11 +64,15 @@ def scenario_parts(scenario: Scenario) -> tuple[Callable[..., Any], ...]:
 
 
 def run_code(
-    policies: Iterable[str], worlds: Iterable[str], classes: Iterable[Callable[..., Any]]
+    policies: Iterable[str],
+    worlds: Iterable[str],
+    classes: Iterable[Callable[..., Any]],
+    device: str,
 ) -> Code:
     """All code that decides a run's numbers, and the libraries that it computes with."""
     names = list(policies)
     libraries = ["mujoco"] if any(world != "graph" for world in worlds) else []
+    libraries += WARP if libraries and device != "cpu" else ()
     libraries += [one for name in names for one in policy_libraries(name)]
     return our_code(libraries).joined(outside_code_of(names, classes))
 
@@ -169,7 +175,12 @@ def run_info(
     metric_classes = chosen_metrics(metrics)
     origin, code = (
         provenance(),
-        run_code(policies, worlds, [*metric_classes, *scenario_parts(setup.scenario)]),
+        run_code(
+            policies,
+            worlds,
+            [*metric_classes, *scenario_parts(setup.scenario)],
+            setup.scenario.physics.device,
+        ),
     )
     info: dict[str, Any] = {
         "command": origin["command"],

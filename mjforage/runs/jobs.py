@@ -40,6 +40,7 @@ from mjforage.runs.tables import frames
 from mjforage.runs.workers import Workers, policy_import_specs
 from mjforage.scenario.maps import GridMap
 from mjforage.scenario.place import Place
+from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 
 PARENT_CHECK_S = 1.0
@@ -97,22 +98,26 @@ class Job:
             tuple(info["worlds"]),
             import_specs_of(metric_classes) if workers.elsewhere else tuple(metrics),
             policy_import_specs(policies) if workers.elsewhere else (),
-            _code(policies, worlds, [*metric_classes, *scenario_parts(setup.scenario)]),
+            _code(policies, worlds, metric_classes, setup.scenario),
             trusted() if workers.elsewhere else (),
             _packed(policies) if workers.elsewhere else b"",
         )
 
 
 def _code(
-    policies: Sequence[str], worlds: Sequence[str] | None, classes: Sequence[Callable[..., Any]]
+    policies: Sequence[str],
+    worlds: Sequence[str] | None,
+    metrics: Sequence[Callable[..., Any]],
+    scenario: Scenario,
 ) -> tuple[tuple[str, str], ...]:
     """Code and versions that decide a run's numbers; only of what is not ours without worlds.
 
     Processes of one machine share all the rest.
     """
+    classes = [*metrics, *scenario_parts(scenario)]
     if worlds is None:
         return tuple(outside_code_of(policies, classes).hashes.items())
-    code = run_code(policies, worlds, classes)
+    code = run_code(policies, worlds, classes, scenario.physics.device)
     return tuple({**versions(code), **code.hashes}.items())
 
 
@@ -172,11 +177,7 @@ def _setup(job: Job) -> Setup:
     scenario = scenario_from_tree(json.loads(job.scenario_json), "scenario")
     if job.parent != os.getpid() and job.code:
         worlds = job.worlds if job.parent is None else None
-        classes: list[Callable[..., Any]] = [
-            *chosen_metrics(job.metrics),
-            *scenario_parts(scenario),
-        ]
-        here = dict(_code(job.policies, worlds, classes))
+        here = dict(_code(job.policies, worlds, chosen_metrics(job.metrics), scenario))
         cluster.check_code(job.code, here)
     packed = np.frombuffer(job.cells, np.uint8)
     navigable = np.unpackbits(packed, count=job.shape[0] * job.shape[1]).reshape(job.shape)

@@ -14,15 +14,22 @@ from mjforage.runs.tables import KEYS, TABLES
 
 CHUNK = 50  # episodes per unit of work at graph level
 PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
+DEVICE_CHUNK = 500  # the same on a device, which steps many as fast as one
 
 
-def chunk_size(world: str) -> int:
+def chunk_size(world: str, device: str = "cpu") -> int:
     """Most episodes of a chunk."""
-    return CHUNK if world == "graph" else PHYSICS_CHUNK
+    if world == "graph":
+        return CHUNK
+    return PHYSICS_CHUNK if device == "cpu" else DEVICE_CHUNK
 
 
 def plan(
-    policies: Sequence[str], worlds: Sequence[str], episodes: int, stored: Iterable[Chunk] = ()
+    policies: Sequence[str],
+    worlds: Sequence[str],
+    episodes: int,
+    stored: Iterable[Chunk] = (),
+    device: str = "cpu",
 ) -> list[Chunk]:
     """All chunks of a run, in the order of its tables.
 
@@ -31,7 +38,9 @@ def plan(
     Parameters
     ----------
     stored : chunks that are finished, of this run or of fewer episodes of it
+    device : of the hulls
     """
+    sizes = {world: chunk_size(world, device) for world in worlds}
     counts: dict[tuple[str, str], dict[int, int]] = {}
     for chunk in sorted(stored):  # of two that begin at the same episode the longer
         if chunk.first + chunk.count <= episodes:
@@ -40,7 +49,7 @@ def plan(
         Chunk(world, policy, first, count)
         for world in worlds
         for policy in policies
-        for first, count in _spans(episodes, chunk_size(world), counts.get((world, policy), {}))
+        for first, count in _spans(episodes, sizes[world], counts.get((world, policy), {}))
     ]
 
 

@@ -200,6 +200,9 @@ class Scale:
     """Factor on the areas that the wind meets."""
 
 
+Device = Literal["cpu", "warp-cpu", "cuda"]
+
+
 @dataclass(frozen=True)
 class Physics:
     """Settings of the MuJoCo world."""
@@ -226,6 +229,8 @@ class Physics:
     """`fast`: Euler with forces averaged over the step; `reference`: Runge-Kutta of order 4."""
     step_s: Annotated[float, Within(1e-3, 0.1, "s")] | None = None
     """Time step of the integrator, by default 0.1 s of `fast` and 0.02 s of `reference`."""
+    device: Device = "cpu"
+    """Engine of the hulls: MuJoCo, or MuJoCo Warp on this processor (slow) or on a GPU."""
     scale: Scale = Scale()
 
 

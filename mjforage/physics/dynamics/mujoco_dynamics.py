@@ -35,6 +35,7 @@ from mjforage.physics.dynamics.collecting import (
     mouths_of,
     seek,
 )
+from mjforage.physics.dynamics.engines import check_device, create_simulation
 from mjforage.physics.dynamics.faults import failures
 from mjforage.physics.dynamics.fleet_scene import (
     fleet_scene,
@@ -55,7 +56,7 @@ from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS, whole_time
 from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid, look_out, tracked
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.positioning import create_positioning
-from mjforage.physics.simulation import Integrator, Simulation
+from mjforage.physics.simulation import Integrator
 from mjforage.physics.simulation.instability import warnings_suppressed
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.scenario.debris import item_choices
@@ -90,8 +91,9 @@ class MujocoDynamics:
         self._graph, self._fleet, self._scenario = graph, fleet, scenario
         self._trajectory, self._choice = trajectory, scenario.physics
         self._globe = place
-        weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
-        self._step_s = step_s = self._choice.step_s or self._integrator.step_s
+        check_device(self._choice)
+        weather_s, integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
+        self._step_s = step_s = self._choice.step_s or integrator.step_s
         self._ticks = WEATHER_TICKS * whole_times(
             scenario.period_s, weather_s, f"period_s = {scenario.period_s:g} s"
         )
@@ -135,10 +137,10 @@ class MujocoDynamics:
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
         episodes, items = initial.item_node.shape
-        self._simulation = Simulation(
+        self._simulation = create_simulation(
+            self._choice,
             self._scene,
             episodes,
-            integrator=self._integrator,
             step_s=self._step_s,
             seeds=names,
             items=items if self._bodies else 0,

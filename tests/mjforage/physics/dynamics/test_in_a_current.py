@@ -9,6 +9,7 @@ from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.mission.moves import Moves
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
+from mjforage.physics.simulation import Simulation
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
 
@@ -55,6 +56,7 @@ def test_vessels_and_items_with_and_without_bodies_feel_one_water() -> None:
         simulation.vessel_water, field.current(now, dynamics._motion.pose[..., :2])
     )
     assert np.abs(simulation.item_water).max() > 0.05
+    assert isinstance(simulation, Simulation)
     bodies = simulation._bodies
     given = np.argwhere(bodies.item_of >= 0)
     assert len(given) >= 4

@@ -6,7 +6,13 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.physics.scene import build_scene
-from mjforage.physics.simulation import InstabilityError, Integrator, Simulation, simulation
+from mjforage.physics.simulation import (
+    InstabilityError,
+    Integrator,
+    Simulation,
+    simulated_fleet,
+    simulation,
+)
 from mjforage.physics.vessels import load_vessel
 
 BOTH = pytest.mark.parametrize("integrator", Integrator)
@@ -28,7 +34,7 @@ def scattered(
     """Items of all classes all over a basin and a little way onto its quays, and a vessel."""
     scene = build_scene([FORAGER], navigable=water, pitch_m=4.0, items=bodies)
     with monkeypatch.context() as patch:
-        patch.setattr(simulation, "CLOSING_MPS", closing_mps)
+        patch.setattr(simulated_fleet, "CLOSING_MPS", closing_mps)
         sim = Simulation(scene, RUNS, integrator=integrator, step_s=0.1, items=ITEMS)
     rng = np.random.default_rng(1)
     rows, cols = np.nonzero(water)
@@ -85,7 +91,7 @@ def test_items_go_over_to_mujoco_and_back_without_a_jump(
     integrator: Integrator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A vessel that drives through them still pushes some and pins some to quays."""
-    active = scattered(BASIN, integrator, simulation.CLOSING_MPS, monkeypatch, bodies=3)
+    active = scattered(BASIN, integrator, simulated_fleet.CLOSING_MPS, monkeypatch, bodies=3)
     all_bodies = scattered(BASIN, integrator, ALWAYS, monkeypatch)
     unpushed = scattered(BASIN, integrator, NEVER, monkeypatch)
     ways, bodies = zip(
