@@ -5,7 +5,7 @@ import sys
 
 from mjforage import evaluate, metrics
 
-METRICS = ("pta_d", "pta_c", "nt50", "nt90", "length", "rmse", "csr", "energy_per_item", "contact")
+METRICS = ("pta_d", "pta_c", "nt50", "nt90", "length", "rmse")
 
 
 def main() -> None:
