@@ -1,5 +1,6 @@
 """Wind and current at points, for a batch of episodes."""
 
+import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
