@@ -10,7 +10,16 @@ import math
 from mjforage.base.compiled import kernel
 from mjforage.base.wholes import floor
 from mjforage.controllers.angles import clipped
-from mjforage.controllers.chart import LandArray, headland, is_cell_land, is_nearer, way_to_cell
+from mjforage.controllers.chart import (
+    WALL_M,
+    LandArray,
+    headland,
+    is_cell_land,
+    is_nearer,
+    walls_at,
+    way_to_cell,
+    way_to_wall,
+)
 from mjforage.controllers.clearance import joint_margin
 from mjforage.controllers.guidance import striking_speed
 from mjforage.controllers.legs import REACTION_S
@@ -133,6 +142,11 @@ def heed_around(
                 dx, dy = way_to_cell(pitch, px, py, i, j)
                 if is_nearer(land, i, j, dx, dy):
                     heed(s, p, x, y, dx, dy, True, s.margin)
+                continue
+            for k in walls_at(land, i + 1, j + 1):
+                dx, dy, _ = way_to_wall(land, k, px, py)
+                face = 1.0 - WALL_M / max(math.hypot(dx, dy), WALL_M)
+                heed(s, p, x, y, face * dx, face * dy, True, s.margin)
 
 
 @kernel

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.device import Launch
-from mjforage.controllers.chart import Chart, LandArray
+from mjforage.controllers.chart import OPEN_WATER, Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
 from mjforage.controllers.effectiveness import LAME_LOSS, notice_losses, weaken_fleet
 from mjforage.controllers.estimate import estimate
@@ -146,7 +146,7 @@ class Pilot:
             state=np.zeros((episodes, count), STATE),
             models=np.array([packed(model) for model in models], MODEL),
             weak=np.zeros(count, MODEL),
-            land=np.zeros((0, 0), np.bool_) if chart is None else chart.land,
+            land=OPEN_WATER if chart is None else chart.land,
             pitch=OPEN_PITCH_M if chart is None else float(chart.pitch_m),
             ticks=np.zeros(episodes, np.int64),
             paths=np.zeros((count + 1, SAMPLES, 4)),

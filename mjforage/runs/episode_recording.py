@@ -40,10 +40,11 @@ _AXES = {
     "track_present": "fi",
     "track_wind": "f2",
     "t_discovered": "i",
+    "quays": "q4",
     **KNOWLEDGE_AXES,
 }
 """Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
-_OPTIONAL = ("begins_s", "agent_target")
+_OPTIONAL = "begins_s", "agent_target", "quays"
 """Names that not every file has."""
 _FAR_S = 4e10  # from 1970 to a date that is none of a record
 
@@ -90,6 +91,8 @@ class Recording:
     agents come to it."""
     begins_s: float | None = None
     """UTC of its start in the record of its weather, since 1970 [s]; None without a record."""
+    quays: NDArray[np.float32] | None = None
+    """(q, 4) edges of the land's closed outlines, x, y of both ends [m]; None without outlines."""
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -148,7 +151,7 @@ def _values(file: Any) -> dict[str, Any]:
 
 def _check_axes(values: dict[str, Any]) -> None:
     """Arrays of numbers, whose axes fit together."""
-    sizes = {"2": 2, "3": 3}
+    sizes = {"2": 2, "3": 3, "4": 4}
     for name in [one for one in _AXES if one in values]:
         array, axes = values[name], _AXES[name]
         if array.dtype.kind not in "biuf" or array.ndim != len(axes):

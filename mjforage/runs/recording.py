@@ -1,5 +1,7 @@
 """Recording one episode as a `Recording`, by playing it again from its seed."""
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.knowledge_record import KnowledgeRecorder
 from mjforage.scenario.debris import item_choices
+from mjforage.scenario.place import Ring
 from mjforage.scenario.vessel_files import hull_names
 
 
@@ -76,6 +79,7 @@ def record(
         mission.run(create_policy(policy), observers)
     choice, frames = setup.scenario.physics, trajectory.frames
     begins = begins_of(setup.scenario, mission.keys)
+    edges = [(*a, *b) for ring in _rings(setup) for a, b in itertools.pairwise(ring)]
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Recording(
         navigable=setup.grid.navigable,
@@ -106,4 +110,10 @@ def record(
         knowledge=by_agent.record(mission) if by_agent else None,
         agent_target=None if world == "graph" else np.stack(recorder.targets),
         begins_s=None if begins is None else begins[0].item(),
+        quays=np.array(edges, np.float32) if edges else None,
     )
+
+
+def _rings(setup: Setup) -> tuple[Ring, ...]:
+    """Outlines of the land, none if the map has none."""
+    return setup.grid.place.quays if setup.grid.place else ()

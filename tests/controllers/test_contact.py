@@ -2,10 +2,11 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from mjforage.controllers import Chart
-from mjforage.controllers.chart import LandArray, headland, is_nearer, way_to_cell
+from mjforage.controllers.chart import WALL_M, LandArray, headland, is_nearer, way_to_cell
 from mjforage.controllers.contact import (
     BLUR_M,
     INSET_M,
@@ -31,6 +32,8 @@ from tests.graph_planner.charts import grid
 REACTION = P.lag_s + 2.0 * REACTION_S
 LEVER = 0.5 * P.length_m - INSET_M  # of the corners of a vessel along a quay
 BASIN = Chart(grid(".....", ".....", "....."), 4.0).land  # quays at y = -2 and 10
+WALL = np.array([[8.0, 2.0 - WALL_M, 1.0, 0.0, 10.0]])
+WALLED = Chart(grid(".....", ".....", ".....", "....."), 4.0, WALL).land
 
 
 def beside(gap: float) -> VesselState:
@@ -43,10 +46,13 @@ def striking(gap: float) -> float:
     return striking_speed(gap - BLUR_M, brake, REACTION, TOUCH_QUAY_MPS)
 
 
+@pytest.mark.parametrize("walled", [False, True])
 @pytest.mark.parametrize("gap", [0.0, 0.1, 0.3])
-def test_beside_a_quay_the_corners_limit_the_turn(gap: float) -> None:
+def test_beside_a_quay_the_corners_limit_the_turn(gap: float, walled: bool) -> None:
+    """A quay of cells, or the outline of one amid the water, 4 m farther north."""
     s = beside(gap)
-    heed_land(s, P, BASIN, 4.0)
+    s.y += 4.0 * walled
+    heed_land(s, P, WALLED if walled else BASIN, 4.0)
     assert s.most_port == s.most_starboard == pytest.approx(striking(gap) / LEVER)
     assert s.most_ahead == s.most_astern == FREE  # along the quay, over the seams of its cells
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import episode_keys
 from mjforage.controllers import Chart, Pilot
+from mjforage.controllers.chart import LandArray
 from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
 from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver
@@ -69,14 +70,14 @@ def _touches(
     pose: FloatArray,
     velocity: FloatArray,
     size: FloatArray,
-    framed: NodeArray,
+    land: LandArray,
     pitch_m: float,
     touching: NDArray[np.bool_],
     closing: FloatArray,
 ) -> None:
     """`touches` of every episode."""
     for e in range(pose.shape[0]):
-        touches(pose[e], velocity[e], size, framed, pitch_m, touching[e], closing[e])
+        touches(pose[e], velocity[e], size, land, pitch_m, touching[e], closing[e])
 
 
 def crowding(
@@ -176,7 +177,7 @@ class Walk:
             simulation.vessel_pose,
             velocity,
             self.size,
-            self.graph.water.framed,
+            self.chart.land,
             self.graph.pitch_m,
             self.touching,
             self.closing,

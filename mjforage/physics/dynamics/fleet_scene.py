@@ -5,7 +5,9 @@ from functools import lru_cache
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.scene import Scene, build_scene
+from mjforage.physics.scene.quays import walls_of
 from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Physics
 from mjforage.scenario.vessel_files import hull_names
@@ -37,7 +39,10 @@ def fleet_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
 
 @lru_cache(maxsize=8)
 def fleet_scene(
-    graph: NavigationGraph, vessels: tuple[Vessel, ...], names: tuple[str, ...]
+    graph: NavigationGraph,
+    vessels: tuple[Vessel, ...],
+    names: tuple[str, ...],
+    place: Place | None = None,
 ) -> Scene:
     """The scene of a fleet on a map, with bodies for the few items that are near vessels.
 
@@ -47,5 +52,10 @@ def fleet_scene(
         If a vessel cannot turn in the narrowest passage.
     """
     return build_scene(
-        vessels, navigable=graph.navigable, pitch_m=graph.pitch_m, items=POOL, names=names
+        vessels,
+        navigable=graph.navigable,
+        pitch_m=graph.pitch_m,
+        items=POOL,
+        names=names,
+        walls=walls_of(place),
     )

@@ -25,6 +25,7 @@ from mjforage.mission.item_rule import collect, item_rule
 from mjforage.mission.moves import Moves
 from mjforage.mission.task import IDLE
 from mjforage.mission.trajectory import TrajectoryRecorder
+from mjforage.physics.dynamics.berths import BERTH_M, Turn, berths, clear_of_walls
 from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.collecting import (
     Attempts,
@@ -111,10 +112,10 @@ class MujocoDynamics:
                 "physics.capture = 'intake' with physics.items = 'graph': items without bodies "
                 "enter no mouth; set physics.capture=node or physics.items=bodies"
             )
-        self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names))
+        self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names), place)
         self._models = [vessel_model(vessel) for vessel in known_vessels(fleet, self._choice)]
         create_positioning(scenario.sensors, (0, len(fleet)), CONTROL_S)
-        self._chart = Chart(graph.navigable, graph.pitch_m)
+        self._chart = Chart(graph.navigable, graph.pitch_m, self._scene.walls)
         self._grid = LandGrid(self._chart.land, graph.pitch_m)
         period, latency = scenario.sensors.camera_period_s, scenario.sensors.camera_latency_s
         self._camera = camera_of(
@@ -128,11 +129,13 @@ class MujocoDynamics:
         self._reach = Reach(fleet.collects, self._size, self._grid, narrow)
         self._mouths = mouths_of(self._choice, len(fleet), CONTROL_S)
         self._monitor_setup = MonitorSetup(
-            pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
+            pack_fleet(self._vessels), self._size, *self._grid, CONTROL_S
         )
         Forcing.of(scenario, np.zeros(1, np.uint64), graph, place)
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
+        room = Turn(*(BERTH_M + np.array((np.hypot(*self._size.T), self._size[:, 1])).max(axis=1)))
+        self._berths_xy = berths(*self._grid, self._centres_xy, room, int(fleet.moves.max()))
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
@@ -214,11 +217,14 @@ class MujocoDynamics:
     def _place(self, rows: NDArray[np.int64], initial: InitialState, keys: UInt64Array) -> None:
         """Put vessels and items of some episodes where they start."""
         pose = np.zeros((*initial.agent_node.shape, 3))
-        pose[..., :2] = self._centres_xy[initial.agent_node]
+        pose[..., :2] = self._berths_xy[initial.agent_node]
         self.place(pose, rows)
         if self._bodies:
             classes = draw_classes(keys, initial.item_node, self._classes)
-            self._simulation.place_items(self._graph.metres(initial.item_rc), classes, rows)
+            xy = self._graph.metres(initial.item_rc)
+            nodes = self._centres_xy[initial.item_node]
+            clear_of_walls(*self._grid, nodes.reshape(-1, 2), xy.reshape(-1, 2))
+            self._simulation.place_items(xy, classes, rows)
 
     def place(self, pose: NDArray[np.float64], rows: NDArray[np.int64] | None = None) -> None:
         """Put the vessels of some episodes, by default of all, elsewhere and at rest.
@@ -243,9 +249,9 @@ class MujocoDynamics:
         ids = np.flatnonzero(active)
         if not ids.size:
             return state
-        target = self._centres_xy[moves.target]
+        target, nodes = self._berths_xy[moves.target], self._centres_xy[moves.target]
         stay = moves.direction == STAY
-        self._pilot.order(active, self._centres_xy[state.agent_node], target, stay)
+        self._pilot.order(active, self._berths_xy[state.agent_node], target, stay)
         self._period.begin(active)
         state.pickup[active] = IDLE
         recorded = self._trajectory is not None and bool(active[0])
@@ -256,7 +262,7 @@ class MujocoDynamics:
                 known = self._off_land(known)
                 if tick % WEATHER_TICKS == 0:
                     self._feel(active)
-                    self._seek(active, Sent(target, stay), known)
+                    self._seek(active, Sent(nodes, stay), known)
                     if recorded and tick:
                         self._record()
                 self._steer(active, ids, target, known)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.device import Launch
+from mjforage.controllers.chart import LandArray
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.touch import touches
@@ -85,7 +86,7 @@ class MonitorSetup(NamedTuple):
 
     vessels: VesselArray  # (vessel,)
     size: FloatArray  # (vessel, 2) half length, half beam [m]
-    framed: Int32Array  # cells in a frame of land, `Water.framed`
+    land: LandArray  # of the chart
     pitch_m: float
     tick_s: float
 
@@ -117,7 +118,7 @@ def monitor(setup: MonitorSetup, seen: PeriodRecord, active: NDArray[np.bool_], 
         if not active[e]:
             continue
         start, now, closing = tick.before.velocity[e], seen.touches[e], seen.closing[e]
-        touches(tick.met[e], start, size, setup.framed, setup.pitch_m, now, closing)
+        touches(tick.met[e], start, size, setup.land, setup.pitch_m, now, closing)
         for v in range(vessels):
             x, y = pose[e, v, 0], pose[e, v, 1]
             seen.travelled_m[e, v] += math.hypot(x - before[e, v, 0], y - before[e, v, 1])

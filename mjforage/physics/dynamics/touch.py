@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.wholes import floor
-from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.controllers.chart import (
+    WALL_M,
+    LandArray,
+    framed_is_land,
+    grid_shape,
+    has_walls,
+    wall_at,
+    walls_at,
+)
 
 TOLERANCE_M = 0.005  # a gap below this counts as a touch: a hull that slides is lifted so far
 CORNER_M = 0.05  # corners this much farther than the deepest one are in the contact too
@@ -117,7 +125,7 @@ def closing_speed(
 
 @kernel
 def _open_side(
-    framed: Int32Array, r: int, c: int, nx: float, ny: float, own: bool
+    land: LandArray, i: int, j: int, nx: float, ny: float, own: bool
 ) -> tuple[float, float, bool]:
     """The normal of a vessel's touch of a land cell, at seams that of the quay that cells make up.
 
@@ -126,7 +134,7 @@ def _open_side(
 
     Parameters
     ----------
-    framed, r, c : the cell
+    land, i, j : the cell, counted as by `framed_is_land`
     nx, ny, own : as of `contact`
 
     Returns
@@ -134,8 +142,8 @@ def _open_side(
     The same three; a normal of 0 where the cell has no open side there
     """
     east, north = (1 if nx > 0.0 else -1), (1 if ny > 0.0 else -1)
-    by_x = abs(nx) > 1e-9 and framed[r, c + east] >= 0
-    by_y = abs(ny) > 1e-9 and framed[r - north, c] >= 0
+    by_x = abs(nx) > 1e-9 and not framed_is_land(land, i + east, j)
+    by_y = abs(ny) > 1e-9 and not framed_is_land(land, i, j + north)
     if own and by_x and by_y:
         return nx, ny, own
     if by_x:
@@ -145,30 +153,31 @@ def _open_side(
 
 @kernel
 def _touch_quays(
-    pose: Triple,
-    velocity: Triple,
-    size: Pair,
-    framed: Int32Array,
-    pitch_m: float,
+    pose: Triple, velocity: Triple, size: Pair, land: LandArray, pitch_m: float
 ) -> tuple[bool, float]:
     """Contact of one vessel with land: True if it touches, fastest approach [m/s], at least 0."""
-    rows, cols = framed.shape
+    columns, rows = grid_shape(land)
     half, still = (0.5 * pitch_m, 0.5 * pitch_m), (0.0, 0.0, 0.0)
     touching, closing = False, 0.0
     wide = math.hypot(size[0], size[1])
-    low_col = floor((pose[0] - wide) / pitch_m + 0.5) + 1
-    high_col = floor((pose[0] + wide) / pitch_m + 0.5) + 1
-    low_row = rows - 2 - floor((pose[1] + wide) / pitch_m + 0.5)
-    high_row = rows - 2 - floor((pose[1] - wide) / pitch_m + 0.5)
-    for r in range(max(0, low_row), min(rows, high_row + 1)):
-        for c in range(max(0, low_col), min(cols, high_col + 1)):
-            if framed[r, c] >= 0:
+    low_i = floor((pose[0] - wide) / pitch_m + 0.5) + 1
+    high_i = floor((pose[0] + wide) / pitch_m + 0.5) + 1
+    low_j = floor((pose[1] - wide) / pitch_m + 0.5) + 1
+    high_j = floor((pose[1] + wide) / pitch_m + 0.5) + 1
+    for j in range(max(0, low_j), min(rows, high_j + 1)):
+        for i in range(max(0, low_i), min(columns, high_i + 1)):
+            if has_walls(land):
+                hit, speed = _touch_walls(pose, velocity, size, land, i, j)
+                touching, closing = touching or hit, max(closing, speed)
+                if 0 < i < columns - 1 and 0 < j < rows - 1:
+                    continue  # the frame alone has no walls
+            if not framed_is_land(land, i, j):
                 continue
-            cell = (c - 1) * pitch_m, (rows - 2 - r) * pitch_m, 0.0
+            cell = (i - 1) * pitch_m, (j - 1) * pitch_m, 0.0
             hit, nx, ny, own = contact(pose, cell, size, half)
             if hit:
                 touching = True
-                nx, ny, own = _open_side(framed, r, c, nx, ny, own)
+                nx, ny, own = _open_side(land, i, j, nx, ny, own)
                 if nx != 0.0 or ny != 0.0:
                     speed = closing_speed(pose, cell, velocity, still, size, half, nx, ny, own)
                     closing = max(closing, speed)
@@ -182,11 +191,28 @@ def _triple(rows: FloatArray, v: int) -> Triple:
 
 
 @kernel
+def _touch_walls(
+    pose: Triple, velocity: Triple, size: Pair, land: LandArray, i: int, j: int
+) -> tuple[bool, float]:
+    """As `_touch_quays`, of the walls of a cell."""
+    touching, closing, still = False, 0.0, (0.0, 0.0, 0.0)
+    for k in walls_at(land, i, j):
+        x, y, c, s, half_length = wall_at(land, k)
+        wall, half = (x, y, math.atan2(s, c)), (half_length, WALL_M)
+        hit, nx, ny, own = contact(pose, wall, size, half)
+        if hit:
+            touching = True
+            speed = closing_speed(pose, wall, velocity, still, size, half, nx, ny, own)
+            closing = max(closing, speed)
+    return touching, closing
+
+
+@kernel
 def touches(
     pose: FloatArray,
     velocity: FloatArray,
     size: FloatArray,
-    framed: Int32Array,
+    land: LandArray,
     pitch_m: float,
     touching: NDArray[np.bool_],
     closing: FloatArray,
@@ -200,12 +226,12 @@ def touches(
     pose : (vessel, 3) x, y [m], yaw [rad] now, as contacts have it (`Simulation.contact_pose`)
     velocity : (vessel, 3) over ground, world axes, before the contact acts [m/s], [rad/s]
     size : (vessel, 2) half length, half beam [m]
-    framed : (row + 2, column + 2) cells in a frame of land, -1 on land (`Water.framed`)
+    land : of a chart; walls, if it has some, are the quays in the place of the cells
     touching, closing : (vessel,) written: in contact, and the fastest approach [m/s]
     """
     for v in range(pose.shape[0]):
         a, moves, size_a = _triple(pose, v), _triple(velocity, v), (size[v, 0], size[v, 1])
-        touching[v], closing[v] = _touch_quays(a, moves, size_a, framed, pitch_m)
+        touching[v], closing[v] = _touch_quays(a, moves, size_a, land, pitch_m)
         wide = math.hypot(size[v, 0], size[v, 1])
         for w in range(v):
             reach = wide + math.hypot(size[w, 0], size[w, 1])

@@ -16,6 +16,7 @@ from mjforage.base.device import Launch
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.base.wholes import floor
+from mjforage.controllers.chart import LandArray, framed_is_land, grid_shape
 from mjforage.physics.dynamics.camera import Camera, sight_items, variance
 from mjforage.physics.floating.quays import is_clear
 
@@ -34,7 +35,7 @@ NOWHERE = np.full(2, np.nan)
 class LandGrid(NamedTuple):
     """Cells of land, of which tracks keep off."""
 
-    land: NDArray[np.bool_]  # (column + 2, row + 2) as `controllers.Chart.land`
+    land: LandArray  # as `controllers.Chart.land`
     pitch_m: float
 
 
@@ -77,16 +78,20 @@ def afloat(grid: LandGrid, x: float, y: float) -> tuple[float, float]:
     if land.size == 0 or is_clear(land, pitch, RADIUS_M, x, y):
         return x, y
     column, row = floor(x / pitch + 0.5), floor(y / pitch + 0.5)
-    least, best_x, best_y = np.inf, x, y
-    for i in range(max(column - 1, 0), min(column + 2, land.shape[0] - 2)):
-        for j in range(max(row - 1, 0), min(row + 2, land.shape[1] - 2)):
-            if land[i + 1, j + 1]:
+    least, best_x, best_y, (columns, rows) = np.inf, x, y, grid_shape(land)
+    for i in range(max(column, 1), min(column + 3, columns - 1)):  # of the frame
+        for j in range(max(row, 1), min(row + 3, rows - 1)):
+            if framed_is_land(land, i, j):
                 continue
-            half = 0.5 * pitch
-            west, east = half - RADIUS_M * land[i, j + 1], half - RADIUS_M * land[i + 2, j + 1]
-            south, north = half - RADIUS_M * land[i + 1, j], half - RADIUS_M * land[i + 1, j + 2]
-            near_x = min(max(x, i * pitch - west), i * pitch + east)
-            near_y = min(max(y, j * pitch - south), j * pitch + north)
+            half, at_x, at_y = 0.5 * pitch, (i - 1) * pitch, (j - 1) * pitch
+            west = half - RADIUS_M * framed_is_land(land, i - 1, j)
+            east = half - RADIUS_M * framed_is_land(land, i + 1, j)
+            south = half - RADIUS_M * framed_is_land(land, i, j - 1)
+            north = half - RADIUS_M * framed_is_land(land, i, j + 1)
+            near_x, near_y = (
+                min(max(x, at_x - west), at_x + east),
+                min(max(y, at_y - south), at_y + north),
+            )
             off = math.hypot(near_x - x, near_y - y)
             if off < least:
                 least, best_x, best_y = off, near_x, near_y

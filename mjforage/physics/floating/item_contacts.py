@@ -14,6 +14,13 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.wholes import floor
+from mjforage.controllers.chart import (
+    WALL_M,
+    framed_is_land,
+    grid_shape,
+    walls_at,
+    way_to_wall,
+)
 from mjforage.forcing import LEEWAY
 from mjforage.physics.floating.drift import Afloat
 from mjforage.physics.floating.quays import Quays
@@ -100,23 +107,28 @@ def _bounds(quays: Quays, state: Float64Array) -> Float64Array:
     No farther than the diameter of an item. One in a quay is not moved deeper.
     """
     land, pitch, radius = quays.land, quays.pitch_m, quays.radius_m
-    bounds, far = np.empty((len(state), 4)), 2.0 * radius
+    bounds, far, (columns, rows) = np.empty((len(state), 4)), 2.0 * radius, grid_shape(land)
     for k in range(len(state)):
         x, y = state[k, 0], state[k, 1]
         free_x, free_y, side_x, side_y = far, far, 1, 1
         i, j = floor(x / pitch + 0.5), floor(y / pitch + 0.5)
-        if 0 <= i < land.shape[0] - 2 and 0 <= j < land.shape[1] - 2:
+        if 0 <= i < columns - 2 and 0 <= j < rows - 2:
             off_x, off_y = x - i * pitch, y - j * pitch
             i, j = i + 1, j + 1  # of the frame
             side_x, side_y = 1 if off_x > 0.0 else -1, 1 if off_y > 0.0 else -1
             gap_x = min(far, max(0.0, 0.5 * pitch - abs(off_x) - radius))
             gap_y = min(far, max(0.0, 0.5 * pitch - abs(off_y) - radius))
-            by_x, by_y = land[i + side_x, j], land[i, j + side_y]
-            if not by_x and not by_y and land[i + side_x, j + side_y]:  # a corner that stands out
+            by_x, by_y = framed_is_land(land, i + side_x, j), framed_is_land(land, i, j + side_y)
+            corner = framed_is_land(land, i + side_x, j + side_y)
+            if not by_x and not by_y and corner:  # one that stands out
                 by_x, by_y = gap_x >= gap_y, gap_y >= gap_x
             free_x, free_y = gap_x if by_x else far, gap_y if by_y else far
-            if land[i, j]:
+            if framed_is_land(land, i, j):
                 free_x = free_y = far = 0.0
+            for w in walls_at(land, i, j):
+                to_x, to_y, _ = way_to_wall(land, w, x, y)
+                far = min(far, max(0.0, math.hypot(to_x, to_y) - WALL_M - radius))
+                free_x, free_y = min(free_x, far), min(free_y, far)
         bounds[k, 0], bounds[k, 2] = x - far, x + far
         bounds[k, 1], bounds[k, 3] = y - far, y + far
         bounds[k, 1 + side_x], bounds[k, 2 + side_y] = x + side_x * free_x, y + side_y * free_y

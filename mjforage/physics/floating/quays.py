@@ -1,18 +1,26 @@
 """An item against quays, as MuJoCo's solver has it: soft contacts of a sphere, without friction.
 
 Equations of MuJoCo's documentation, chapters "Computation" and "Modeling: Solver parameters". The
-quays that an item touches at once are at right angles, so that each contact is solved by itself.
+cells that an item touches at once are at right angles, so that each contact is solved by itself;
+walls at other angles are so one after the other.
 """
 
 import math
 from typing import NamedTuple
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.wholes import floor
+from mjforage.controllers.chart import (
+    WALL_M,
+    LandArray,
+    framed_is_land,
+    grid_shape,
+    is_open,
+    walls_at,
+    way_to_wall,
+)
 
 _LEAST = 1e-15  # MuJoCo's mjMINVAL
 
@@ -20,7 +28,7 @@ _LEAST = 1e-15  # MuJoCo's mjMINVAL
 class Quays(NamedTuple):
     """Land, and the softness of a contact with it."""
 
-    land: NDArray[np.bool_]  # (column + 2, row + 2) as `controllers.Chart.land`; empty: open water
+    land: LandArray  # as `controllers.Chart.land`
     pitch_m: float
     radius_m: float  # of an item
     stiffness: float  # k of the reference acceleration -b v - k d r [1/s2]
@@ -33,7 +41,7 @@ class Quays(NamedTuple):
     mobility: float  # inverse mass that MuJoCo takes for the softness of contacts [1/kg]
 
 
-def quays_of(model: mujoco.MjModel, item: int, land: NDArray[np.bool_], pitch_m: float) -> Quays:
+def quays_of(model: mujoco.MjModel, item: int, land: LandArray, pitch_m: float) -> Quays:
     """Quays for the items of a model.
 
     Parameters
@@ -94,12 +102,13 @@ def push(quays: Quays, depth_m: float, speed: float, free: float, mass_kg: float
 
 
 @inlined
-def is_clear(land: NDArray[np.bool_], pitch_m: float, radius_m: float, x: float, y: float) -> bool:
+def is_clear(land: LandArray, pitch_m: float, radius_m: float, x: float, y: float) -> bool:
     """True if an item at (x, y) [m] touches nothing, since it is amid the water of its cell."""
     i, j = floor(x / pitch_m + 0.5), floor(y / pitch_m + 0.5)
     off = max(abs(x - i * pitch_m), abs(y - j * pitch_m))
-    inside = 0 <= i < land.shape[0] - 2 and 0 <= j < land.shape[1] - 2
-    return bool(off <= 0.5 * pitch_m - radius_m and inside and not land[i + 1, j + 1])
+    columns, rows = grid_shape(land)
+    inside = 0 <= i < columns - 2 and 0 <= j < rows - 2
+    return bool(off <= 0.5 * pitch_m - radius_m and inside and is_open(land, i + 1, j + 1))
 
 
 @kernel
@@ -119,20 +128,29 @@ def beside_quays(
     side_x, side_y = 1 if off_x > 0.0 else -1, 1 if off_y > 0.0 else -1
     gap_x, gap_y = 0.5 * pitch - abs(off_x), 0.5 * pitch - abs(off_y)
     i, j = i + 1, j + 1  # of the frame
-    if not (0 <= i < land.shape[0] and 0 <= j < land.shape[1]):
+    columns, rows = grid_shape(land)
+    if not (0 <= i < columns and 0 <= j < rows):
         return ax, ay
-    if land[i, j]:
+    if framed_is_land(land, i, j):
         return _off_land(quays, i, j, off_x, off_y, vx, vy, ax, ay, mass_kg)
-    by_x, by_y = land[i + side_x, j], land[i, j + side_y]
+    by_x, by_y = framed_is_land(land, i + side_x, j), framed_is_land(land, i, j + side_y)
     if by_x:
         ax -= side_x * push(quays, radius - gap_x, -side_x * vx, -side_x * ax, mass_kg)
     if by_y:
         ay -= side_y * push(quays, radius - gap_y, -side_y * vy, -side_y * ay, mass_kg)
-    if not by_x and not by_y and land[i + side_x, j + side_y]:
+    if not by_x and not by_y and framed_is_land(land, i + side_x, j + side_y):
         gap = math.sqrt(gap_x * gap_x + gap_y * gap_y)
         if 0.0 < gap < radius:
             nx, ny = -side_x * gap_x / gap, -side_y * gap_y / gap
             more = push(quays, radius - gap, nx * vx + ny * vy, nx * ax + ny * ay, mass_kg)
+            ax, ay = ax + nx * more, ay + ny * more
+    for k in walls_at(land, i, j):
+        to_x, to_y, beyond = way_to_wall(land, k, x, y)
+        gap = math.hypot(to_x, to_y)
+        if 0.0 < gap < radius + WALL_M and beyond < 0.0:  # the next wall has its end
+            nx, ny = -to_x / gap, -to_y / gap
+            speed, free = nx * vx + ny * vy, nx * ax + ny * ay
+            more = push(quays, radius + WALL_M - gap, speed, free, mass_kg)
             ax, ay = ax + nx * more, ay + ny * more
     return ax, ay
 
@@ -152,11 +170,12 @@ def _off_land(
 ) -> tuple[float, float]:
     """Acceleration of an item whose middle is in land: out by the nearest side with water."""
     land, half, least, nx, ny = quays.land, 0.5 * quays.pitch_m, math.inf, 0, 0
+    columns, rows = grid_shape(land)
     for side in (1, -1):
-        west_east = 0 <= i + side < land.shape[0] and not land[i + side, j]
+        west_east = 0 <= i + side < columns and not framed_is_land(land, i + side, j)
         if west_east and half - side * off_x < least:
             least, nx, ny = half - side * off_x, side, 0
-        south_north = 0 <= j + side < land.shape[1] and not land[i, j + side]
+        south_north = 0 <= j + side < rows and not framed_is_land(land, i, j + side)
         if south_north and half - side * off_y < least:
             least, nx, ny = half - side * off_y, 0, side
     if nx == 0 and ny == 0:

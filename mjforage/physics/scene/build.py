@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.controllers import Chart
+from mjforage.controllers.chart import NO_WALLS, OPEN_WATER, Chart, LandArray, cells_of
 from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
     HEADER,
@@ -43,8 +43,9 @@ class Scene:
     items : bodies for items, the pool
     classes : debris classes that an item can have
     parking : (item, 2) where bodies lie that no item has [m]
-    land : (column + 2, row + 2) bool, as `controllers.Chart` has it; empty: open water
+    land : as `controllers.Chart` has it
     pitch_m : side of a map cell [m]
+    walls : (wall, 5) outlines of its quays, as of `controllers.Chart`
     """
 
     model: mujoco.MjModel
@@ -53,8 +54,9 @@ class Scene:
     items: int
     classes: tuple[DebrisClass, ...]
     parking: NDArray[np.float64]
-    land: NDArray[np.bool_]
+    land: LandArray
     pitch_m: float
+    walls: NDArray[np.float64]
 
 
 def build_scene(
@@ -65,6 +67,7 @@ def build_scene(
     items: int = 0,
     names: Sequence[str] | None = None,
     looks: Sequence[int] | None = None,
+    walls: NDArray[np.float64] = NO_WALLS,
 ) -> Scene:
     """Build a scene.
 
@@ -77,6 +80,7 @@ def build_scene(
     names : of the vessels, all different; by default ``scout_0``, ``forager_1``, ...
     looks : class index of each item, for rendering; None leaves out everything that only looks.
         Motion is the same to the bit.
+    walls : (wall, 5) outlines of quays, as of `controllers.Chart`; by default quays are cells
 
     Raises
     ------
@@ -90,12 +94,14 @@ def build_scene(
     classes = load_debris()
     labels = tuple(f"{v.name}_{i}" for i, v in enumerate(vessels)) if names is None else names
     seen = (None,) * items if looks is None else tuple(classes[k].name for k in looks)
-    spec = scene_spec(vessels, labels, navigable, pitch_m, seen, looks=looks is not None)
+    spec = scene_spec(
+        vessels, labels, navigable, pitch_m, seen, looks=looks is not None, walls=walls
+    )
     model = compiled(spec, "scene")
     _check_layout(model, len(vessels), items)
-    land = np.zeros((0, 0), np.bool_) if navigable is None else Chart(navigable, pitch_m).land
-    parking = parking_xy(items)
-    return Scene(model, tuple(vessels), tuple(labels), items, classes, parking, land, pitch_m)
+    land = OPEN_WATER if navigable is None else Chart(navigable, pitch_m, walls).land
+    fleet, parking = (tuple(vessels), tuple(labels)), parking_xy(items)
+    return Scene(model, *fleet, items, classes, parking, land, pitch_m, walls)
 
 
 def scene_spec(
@@ -106,6 +112,7 @@ def scene_spec(
     seen: Sequence[str | None],
     *,
     looks: bool,
+    walls: NDArray[np.float64] = NO_WALLS,
 ) -> mujoco.MjSpec:
     """A scene before MuJoCo compiles it; parameters as of `build_scene`.
 
@@ -121,7 +128,7 @@ def scene_spec(
     if seen:
         add_items(spec, shipped_part("debris"), list(seen))
     if navigable is not None:
-        add_quays(spec, navigable, pitch_m)
+        add_quays(spec, navigable, pitch_m, walls)
     return spec
 
 
@@ -130,10 +137,11 @@ def with_bodies(scene: Scene, items: int) -> Scene:
     """The same scene without visual parts, with another number of bodies for items."""
     return build_scene(
         scene.vessels,
-        navigable=~scene.land[1:-1, 1:-1].T[::-1] if scene.land.size else None,
+        navigable=~cells_of(scene.land)[1:-1, 1:-1].T[::-1] if scene.land.size else None,
         pitch_m=scene.pitch_m,
         items=items,
         names=scene.names,
+        walls=scene.walls,
     )
 
 

@@ -9,9 +9,10 @@ import mujoco
 import numpy as np
 
 from mjforage.physics.scene import Scene
+from mjforage.physics.scene.quays import BANK, ITEM
 from mjforage.physics.vessel_models import top_speed
 
-QUAY, HULL, ITEM = 1, 2, 4  # bits of contacts, as models/*.xml have them
+QUAY, HULL = 1, 2  # bits of contacts, as models/*.xml have them
 STOPPING_PER_S = 100.0
 """Damping c/m of a fender [1/s]: 3.8 kN s/m before a scout. Estimate for a rail of 5 cm: a hull
 goes (m/c) v deep, 36 mm at 3.6 m/s, and up to 1 cm more for meeting it amid a step of 20 ms."""
@@ -35,7 +36,7 @@ def set_fenders(model: mujoco.MjModel, scene: Scene, step_s: float, *, ahead: bo
     rate = 1.0 / step_s if ahead else min(STOPPING_PER_S, 2.0 / step_s)
     stiffness = rate**2 if ahead else STIFFNESS * rate**2
     kind = model.geom_contype
-    fenders = (kind == HULL) | (kind == QUAY)
+    fenders = (kind == HULL) | (kind == QUAY) | (kind == BANK)
     model.geom_solref[fenders] = -stiffness, -rate
     model.geom_solimp[fenders, :2] = IMPEDANCE
     model.opt.impratio = 1.0 if ahead else FRICTION

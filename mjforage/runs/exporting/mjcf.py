@@ -9,6 +9,7 @@ from mjforage.physics.dynamics.fleet_scene import fleet_vessels
 from mjforage.physics.scene import parking_xy
 from mjforage.physics.scene.build import check_passages, scene_spec
 from mjforage.physics.scene.mjcf import compiled
+from mjforage.physics.scene.quays import walls_of
 from mjforage.physics.simulation import Integrator
 from mjforage.physics.vessels import Vessel
 from mjforage.runs.episode_recording import Recording
@@ -55,7 +56,8 @@ def _plain_scene(setup: Setup, recording: Recording, vessels: tuple[Vessel, ...]
     kinds = [known[k] for k in np.maximum(recording.item_class, 0)]
     check_passages(vessels, *about)
     seen = [kind.name for kind in kinds]
-    spec = scene_spec(vessels, recording.labels, *about, seen, looks=True)
+    walls = walls_of(setup.grid.place)
+    spec = scene_spec(vessels, recording.labels, *about, seen, looks=True, walls=walls)
     for numeric in list(spec.numerics):  # by these the callback would know the scene
         spec.delete(numeric)
     spec.modelname, spec.nuserdata = setup.scenario.name, 0

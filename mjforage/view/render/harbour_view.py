@@ -81,7 +81,8 @@ class HarbourView:
         mast, aspect = self._scene.masts[agent], width / height
         self._circumstances = Circumstances(self._track, area, aspect, speed, agent, mast)
         self._surface_rate = min(1.0, _CALM_FILM / speed)
-        self._water = Water(shore_of(recording.navigable, recording.pitch_m))
+        about = recording.navigable, recording.pitch_m, recording.quays
+        self._water = Water(shore_of(*about))
         self._colours = agent_colours(recording.agent_collects.tolist())
         self._tags: Tags | None = None
         if not self._camera.follows and not is_brief(width, height):

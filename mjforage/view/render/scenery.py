@@ -12,6 +12,7 @@ from mjforage.physics.scene.rectangles import merged_rectangles
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Edges = NDArray[np.float32]
 BEYOND = 12  # land goes on beyond the map's edge for so many cells, then there is sea
 BUOY_EVERY_M = 8.0
 _KERB_TOP_M = FREEBOARD_M + 0.14
@@ -36,11 +37,36 @@ _SIDES = (  # of a box: 0 west, south, below; 1 east, north, above; counter-cloc
 _SEEN: dict[str, int] = {"contype": 0, "conaffinity": 0, "group": 1}
 
 
-def add_scenery(spec: mujoco.MjSpec, navigable: Bools, pitch_m: float) -> None:
-    """Add the static scenery of a map (row, column); nothing of it collides."""
+def land_of(navigable: Bools, pitch_m: float, quays: Edges | None, finer: int) -> Bools:
+    """(row, column) land of a map in cells `finer` times finer, by its outlines if it has some.
+
+    Parameters
+    ----------
+    quays : (edge, 4) of closed outlines, as of `Recording`: land is within an odd number of them
+    """
+    if quays is None:
+        return (~navigable).repeat(finer, axis=0).repeat(finer, axis=1)
+    rows, columns = finer * np.array(navigable.shape)
+    size, corner = pitch_m / finer, 0.5 * pitch_m
+    crossed = np.zeros((rows, columns + 1), np.int32)
+    for x0, y0, x1, y1 in quays.astype(np.float64):
+        ends = sorted(np.clip(np.ceil((np.array([y0, y1]) + corner) / size - 0.5), 0, rows))
+        line = np.arange(int(ends[0]), int(ends[1]))
+        if len(line):
+            x = x0 + ((line + 0.5) * size - corner - y0) * (x1 - x0) / (y1 - y0)
+            column = np.clip(np.ceil((x + corner) / size - 0.5), 0, columns).astype(np.int64)
+            crossed[rows - 1 - line, column] += 1
+    return np.asarray(crossed.cumsum(axis=1)[:, :-1] % 2 == 1)
+
+
+def add_scenery(
+    spec: mujoco.MjSpec, navigable: Bools, pitch_m: float, quays: Edges | None = None
+) -> None:
+    """Add the static scenery of a map, see `land_of`; nothing of it collides."""
     finer, corner = pitch_m / _FINER, (BEYOND + 0.5) * pitch_m
     edge = corner + (len(navigable) - 1) * pitch_m  # northern
-    for name, part, top_m in _grounds(np.pad(~navigable, BEYOND, mode="edge")):
+    land = land_of(navigable, pitch_m, quays, _FINER)
+    for name, part, top_m in _grounds(np.pad(land, BEYOND * _FINER, mode="edge")):
         if part.any():
             top, left, bottom, right = finer * merged_rectangles(part).T
             low, high = edge - bottom, edge - top
@@ -50,17 +76,19 @@ def add_scenery(spec: mujoco.MjSpec, navigable: Bools, pitch_m: float) -> None:
         spec.worldbody.add_geom(type=buoy, pos=(x, y, 0.2), size=_BUOY_M, rgba=_BUOY, **_SEEN)
 
 
-def _grounds(land: Bools) -> Iterator[tuple[str, Bools, float]]:
-    """Material, cells `_FINER` times finer, and height [m] of each kind of ground."""
+def _grounds(fine: Bools) -> Iterator[tuple[str, Bools, float]]:
+    """Material, cells, and height [m] of each kind of ground, of land in cells as fine."""
+    shape = len(fine) // _FINER, _FINER, fine.shape[1] // _FINER, _FINER
+    land = np.asarray(fine.reshape(shape).any(axis=(1, 3)))
     block = np.ones((_PIER_CELLS + 1,) * 2, np.bool_)
     pier = land & ~ndimage.binary_opening(land, block)
     room = ndimage.distance_transform_cdt(np.pad(land, 1, mode="edge"), "chessboard")[1:-1, 1:-1]
     lawn = room > _QUAY_CELLS
-    fine = land.repeat(_FINER, axis=0).repeat(_FINER, axis=1)
     kerb = fine & ~ndimage.binary_erosion(fine, np.ones((3, 3), np.bool_), border_value=1)
     yield "kerb", kerb, _KERB_TOP_M
     for name, part in (("planks", pier), ("lawn", lawn), ("yard", land & ~pier & ~lawn)):
-        yield name, part.repeat(_FINER, axis=0).repeat(_FINER, axis=1) & ~kerb, FREEBOARD_M
+        there = part.repeat(_FINER, axis=0).repeat(_FINER, axis=1)
+        yield name, there & fine & ~kerb, FREEBOARD_M
 
 
 def _add_boxes(

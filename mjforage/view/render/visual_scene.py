@@ -56,7 +56,7 @@ class VisualScene:
         parts = zip(self.vessels, recording.labels, colours, strict=True)
         self.masts = np.array([_add_vessel(spec, *one, vessel_scale) for one in parts])
         _add_items(spec, recording.item_class, item_scale)
-        add_scenery(spec, recording.navigable, recording.pitch_m)
+        add_scenery(spec, recording.navigable, recording.pitch_m, recording.quays)
         self.model = model = compiled(spec, "visual scene")
         model.vis.quality.offsamples, model.vis.quality.shadowsize = 0, 0
         model.vis.quality.numslices, model.vis.quality.numstacks = _GEOM_SLICES, _GEOM_SLICES // 2

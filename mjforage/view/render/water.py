@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from mjforage.view.render.bands import in_bands
 from mjforage.view.render.cameras import View
-from mjforage.view.render.scenery import BEYOND
+from mjforage.view.render.scenery import BEYOND, land_of
 from mjforage.view.render.sheet import Sheet
 from mjforage.view.render.surface import (
     BROAD,
@@ -29,10 +29,13 @@ SHORE_M = 14.0  # water further from land than this is deep
 _SHORE_TEXELS = 1536  # along the longer side, at most
 
 
-def shore_of(navigable: NDArray[np.bool_], pitch_m: float) -> Spread:
+def shore_of(
+    navigable: NDArray[np.bool_], pitch_m: float, quays: NDArray[np.float32] | None = None
+) -> Spread:
     """Distance to land [m] over the map, at most `SHORE_M`; land goes on beyond its edge."""
     finer = int(np.clip(_SHORE_TEXELS // (max(navigable.shape) + 2 * BEYOND), 1, 8))
-    water = np.pad(navigable, BEYOND, mode="edge")[::-1].repeat(finer, axis=0).repeat(finer, axis=1)
+    land = land_of(navigable, pitch_m, quays, finer)
+    water = ~np.pad(land, BEYOND * finer, mode="edge")[::-1]
     texel_m, corner = pitch_m / finer, -(BEYOND + 0.5) * pitch_m
     if water.all():
         distance = np.full(water.shape, SHORE_M)

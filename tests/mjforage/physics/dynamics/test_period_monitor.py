@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from mjforage.controllers import Chart
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.period_monitor import (
     MonitorSetup,
@@ -15,7 +16,7 @@ from mjforage.physics.hydrodynamics.power import drawn_power
 from mjforage.physics.vessels import load_vessel
 
 OTTER = load_vessel("otter")
-OPEN = np.pad(np.arange(25, dtype=np.int32).reshape(5, 5), 1, constant_values=-1)
+OPEN = Chart(np.ones((5, 5), np.bool_), 4.0).land
 ON = np.ones(1, np.bool_)
 SETUP = MonitorSetup(pack_fleet([OTTER]), np.array([[1.0, 0.54]]), OPEN, 4.0, 0.1)
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mjforage.controllers import Chart
 from mjforage.physics.dynamics.touch import contact, touches
 
 HULL = np.array([1.0, 0.5])  # half length, half beam [m]
@@ -43,18 +44,13 @@ def test_a_corner_between_axes_does_not_touch_although_bounding_boxes_do() -> No
     assert contact(pose(2.3, 2.3, 45), pose(0, 0), HULL, CELL)[0]
 
 
-def framed(rows: list[str]) -> NDArray[np.int32]:
-    cells = np.array([[int(c) for c in row] for row in rows])
-    nodes = np.where(cells > 0, np.cumsum(cells.ravel()).reshape(cells.shape) - 1, -1)
-    return np.pad(nodes, 1, constant_values=-1).astype(np.int32)
-
-
 def found(
     poses: list[NDArray[np.float64]], velocities: list[tuple[float, float, float]], rows: list[str]
 ) -> tuple[list[bool], list[float]]:
     touching, closing = np.zeros(len(poses), np.bool_), np.zeros(len(poses))
     size = np.tile(HULL, (len(poses), 1))
-    touches(np.stack(poses), np.array(velocities), size, framed(rows), 4.0, touching, closing)
+    land = Chart(np.array([[c == "1" for c in row] for row in rows]), 4.0).land
+    touches(np.stack(poses), np.array(velocities), size, land, 4.0, touching, closing)
     return touching.tolist(), closing.tolist()
 
 

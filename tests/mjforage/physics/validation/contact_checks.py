@@ -222,8 +222,8 @@ def noted(
 ) -> PeriodRecord:
     """What a mission notes of a simulation in the basin, for a time, or until the first touch."""
     size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in vessels])
-    framed = np.pad(np.arange(25, dtype=np.int32).reshape(5, 5), 1, constant_values=-1)
-    setup = MonitorSetup(pack_fleet(vessels), size, framed, simulation.scene.pitch_m, STEP_S)
+    scene = simulation.scene
+    setup = MonitorSetup(pack_fleet(vessels), size, scene.land, scene.pitch_m, STEP_S)
     shape = (1, len(vessels))
     seen, on = PeriodRecord.of(shape), np.ones(1, np.bool_)
     for _ in range(round(seconds / STEP_S)):

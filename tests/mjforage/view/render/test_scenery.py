@@ -1,11 +1,14 @@
 """Quays, piers, kerbs and buoys lie where the map has land and water."""
 
+import itertools
+
 import mujoco
 import numpy as np
 import pytest
+import shapely
 
 from mjforage.scenario.maps import load_map
-from mjforage.view.render.scenery import BEYOND, add_scenery, buoy_places
+from mjforage.view.render.scenery import BEYOND, add_scenery, buoy_places, land_of
 
 PITCH = 4.0
 
@@ -41,3 +44,15 @@ def test_buoys_mark_water_at_the_edge_of_the_map() -> None:
     on_end = (places[:, 1] == -2.0) | (places[:, 1] == 14.0)
     assert (on_side | on_end).all()
     assert len(places) == 2 * 3 + 2 * 2
+
+
+def test_land_follows_outlines() -> None:
+    """In cells of half a metre: a slanted quay from edge to edge, and an island in the water."""
+    quay = shapely.Polygon([(-2.0, -2.0), (30.0, -2.0), (30.0, 3.3), (-2.0, 9.1)])
+    island = shapely.Polygon([(8.0, 15.0), (14.2, 16.0), (11.0, 20.7)])
+    rings = [shapely.get_coordinates(one) for one in (quay, island)]
+    edges = [(*a, *b) for ring in rings for a, b in itertools.pairwise(ring)]
+    found = land_of(np.ones((6, 8), np.bool_), PITCH, np.array(edges, np.float32), 8)
+    x, y = np.meshgrid((np.arange(64) + 0.5) * 0.5 - 2.0, (47.5 - np.arange(48)) * 0.5 - 2.0)
+    expected = shapely.contains_xy(shapely.union_all([quay, island]), x, y)
+    np.testing.assert_array_equal(found, expected)
