@@ -1,4 +1,4 @@
-"""Where vessels and items lie in nodes that outlines of quays reach into."""
+"""Berths: places of vessels and items in nodes that outlines of quays reach into."""
 
 import math
 from typing import NamedTuple
