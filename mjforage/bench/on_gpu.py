@@ -36,6 +36,7 @@ def port_fleet(episodes: int, items: int = ITEMS, seed: int = 0) -> DeviceFleet:
     afloat.q[:] += rng.uniform(-1.0, 1.0, afloat.q.shape)
     afloat.kind[:] = rng.integers(0, len(afloat.kinds), afloat.kind.shape)
     afloat.wind[:], afloat.v[:] = WIND_MPS, LEEWAY * np.array(WIND_MPS)
+    fleet.send()
     give_orders(fleet, rng)
     return fleet
 

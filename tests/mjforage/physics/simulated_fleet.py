@@ -5,7 +5,6 @@ import copy
 import numpy as np
 
 from mjforage.bench.on_gpu import port_fleet
-from mjforage.physics.device_fleet import _read
 from mjforage.physics.dynamics.ticks import CONTROL_S
 from mjforage.physics.floating.drift import drift
 from mjforage.physics.port_drive import FLEET, PITCH_M
@@ -28,13 +27,16 @@ if __name__ == "__main__":
     hulls.place_vessels(begin)
     q, v = (each.numpy() for each in hulls.live[:2])
     pose, velocity = np.zeros((2, *begin.shape))
+    shift_s, floated = half_step_s(Integrator.FAST, CONTROL_S), afloat.q.copy()
     for _ in range(TICKS):
-        _read(q, v, half_step_s(Integrator.FAST, CONTROL_S), pose, velocity)
+        velocity[:] = v.reshape(pose.shape)
+        pose[:] = q.reshape(pose.shape) - shift_s * velocity
         hulls.command(pilot.command(fleet.active, pose, velocity))
         hulls.step()
         drift(afloat, quays, CONTROL_S, True, np.arange(EPISODES), 1)
     fleet.run(TICKS)
     fleet.fetch()
     assert np.abs(pose[..., :2] - begin[..., :2]).max() > 0.5  # they have gone somewhere
+    assert np.abs(afloat.q - floated).min() > 1e-3  # and the items have drifted
     for found, wanted in zip((fleet.pose, *fleet.afloat), (pose, *afloat), strict=True):
         assert found.tobytes() == wanted.tobytes()
