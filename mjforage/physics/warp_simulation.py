@@ -16,7 +16,6 @@ from mjforage.physics.callback.model_layout import LOSS, VESSEL_DOFS, VESSEL_INP
 from mjforage.physics.floating.beside_hulls import Hulls, drift_beside
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.scene import Scene, with_bodies
-from mjforage.physics.simulation.instability import InstabilityError
 from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
 from mjforage.physics.simulation.simulated_fleet import SimulatedFleet
 from mjforage.physics.warp_hulls import WarpHulls
@@ -92,9 +91,7 @@ class WarpSimulation(SimulatedFleet):
             self._step_hulls(which)
             if self.items:
                 self._drift_beside(which)
-                sim, item = self._drift(which, 1)
-                if item >= 0:
-                    self._refuse(sim, f"item {item}")
+                self._drift_items(which, 1)
 
     def _step_hulls(self, ids: NDArray[np.intp]) -> None:
         """One step of the hulls; what becomes of the other simulations is not taken."""
@@ -110,10 +107,5 @@ class WarpSimulation(SimulatedFleet):
         bad = ~np.isfinite(self._pose[ids] + self._velocity[ids]).all(axis=2)
         if bad.any():
             sim, vessel = np.argwhere(bad)[0]
-            self._refuse(int(ids[sim]), f"body {self.scene.names[vessel]}")
-
-    def _refuse(self, sim: int, what: str) -> None:
-        raise InstabilityError(
-            f"physics: unstable at seed {self.seeds[sim]}, t = {self.time_s[sim]:.2f} s, {what}; "
-            "check the vessel's parameters and commands, the wind and the water"
-        )
+            what = f"body {self.scene.names[vessel]}"
+            self._refuse(int(ids[sim]), what, "the vessel's parameters and commands")

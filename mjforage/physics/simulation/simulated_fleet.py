@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import mujoco
 import numpy as np
@@ -20,6 +20,7 @@ from mjforage.physics.callback.model_layout import (
 )
 from mjforage.physics.floating import Afloat, Quays, drift, quays_of, separate
 from mjforage.physics.scene import Scene, parking_xy
+from mjforage.physics.simulation.instability import InstabilityError
 
 Float64Array = NDArray[np.float64]
 
@@ -179,6 +180,18 @@ class SimulatedFleet(ABC):
         self._afloat.q[which] = self._parking[items]
         self._afloat.v[which] = 0.0
         self.item_class[which] = -1.0
+
+    def _drift_items(self, ids: NDArray[np.intp], steps: int) -> None:
+        """Let the items of simulations (indices) drift; raises `InstabilityError`."""
+        sim, item = self._drift(ids, steps)
+        if item >= 0:
+            self._refuse(sim, f"item {item}", "the wind and the water given to it")
+
+    def _refuse(self, sim: int, what: str, cause: str) -> NoReturn:
+        raise InstabilityError(
+            f"physics: unstable at seed {self.seeds[sim]}, t = {self.time_s[sim]:.2f} s, {what}; "
+            f"check {cause}"
+        )
 
     def separate_items(self, ids: NDArray[np.intp]) -> None:
         """Let the items of simulations (indices) meet, with bodies or without, see `separate`."""

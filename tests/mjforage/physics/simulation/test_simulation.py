@@ -175,3 +175,29 @@ def test_vessels_are_where_they_are_placed_with_way_on_too(integrator: Integrato
     simulation.place_vessels(pose, velocity)
     np.testing.assert_allclose(simulation.vessel_pose, pose, atol=1e-12)
     np.testing.assert_array_equal(simulation.vessel_velocity, velocity)
+
+
+@pytest.mark.parametrize("integrator", Integrator)
+def test_each_vessel_of_a_scene_moves_by_its_own_numbers(integrator: Integrator) -> None:
+    hulls = [OTTER, load_vessel("scout")]
+    way = []
+    for those in (hulls, hulls[:1], hulls[1:]):
+        simulation = Simulation(build_scene(those), integrator=integrator)
+        simulation.place_vessels(np.array([[0.0, 50.0 * k, 0.0] for k in range(len(those))]))
+        simulation.commands[:] = 5.0
+        simulation.step(100)
+        way.append(simulation.vessel_velocity[0, :, 0])
+    np.testing.assert_allclose(way[0], np.concatenate(way[1:]), rtol=1e-9)
+    assert abs(way[0][0] - way[0][1]) > 0.01
+
+
+def test_hulls_are_met_ahead_and_items_where_they_are() -> None:
+    """Margins of a pair add up: two steps of the fastest boat between hulls, nothing to an item."""
+    model = prepared(with_bodies(PORT, 2), Integrator.FAST, 0.1)
+    hull, item = (set(model.geom_margin[model.geom_contype == kind]) for kind in (2, 4))
+    (reach,), (back,) = hull, item
+    assert reach + back == 0.0
+    assert 0.1 * 2.5 < reach < 0.1 * 4.0
+    np.testing.assert_array_equal(
+        model.body_margin[model.geom_bodyid[model.geom_contype == 4]], back
+    )
