@@ -201,7 +201,8 @@ def reads_as(setup: Setup) -> bool:
         )
     except UserError:
         return False
-    return np.array_equal(found.charted, setup.grid.charted)
+    same = np.array_equal(found.charted, setup.grid.charted)
+    return same and found.place == setup.grid.place
 
 
 def scenario_of(

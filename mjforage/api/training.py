@@ -10,15 +10,14 @@ from typing import Any
 from mjforage.api import checks
 from mjforage.api.calls import call
 from mjforage.api.checks import Named
+from mjforage.api.maps import Map
 from mjforage.api.progress import bar
-from mjforage.api.scenarios import scenario_of
+from mjforage.api.scenarios import reads_as, scenario_of
 from mjforage.base.atomic_files import write_errors
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
 from mjforage.mission.setup import Setup
 from mjforage.runs.resuming import Resume
-from mjforage.scenario.harbours import is_harbour
-from mjforage.scenario.map_files import is_shipped_map, write_table
 from mjforage.scenario.scenario import Scenario as Settings
 from mjforage.scenario.scenario_file import load_scenario
 
@@ -129,13 +128,13 @@ def train(
 
 def _on_file(setup: Setup, folder: Path) -> Settings:
     """The scenario, its map in a file: beside the folder, with its name, if it came as an array."""
-    choice = setup.scenario.map
-    if is_shipped_map(choice.file) or is_harbour(choice.file) or Path(choice.file).is_file():
+    if reads_as(setup):
         return setup.asked
-    file = folder.with_name(f"{folder.name}.map.csv")
+    choice, grid = setup.asked.map, setup.grid
+    file = folder.with_name(f"{folder.name}.{'place' if grid.place else 'map.csv'}")
     with write_errors(file):
         file.parent.mkdir(parents=True, exist_ok=True)
-    write_table(setup.grid.navigable, file)
+    Map.of(grid, choice.pitch_m, ()).to_file(file)
     return replace(setup.asked, map=replace(choice, file=str(file), water="light"))
 
 

@@ -64,6 +64,8 @@ def place(
         Licence of the file, to be shown with what is made from it; default what its format says.
     """
     from mjforage.api.maps import Map
+    from mjforage.physics.berth_room import narrow_berths
+    from mjforage.physics.vessels import load_vessel
 
     try:
         box = None if crop is None else [float(edge) for edge in crop.split(",")]
@@ -89,6 +91,7 @@ def place(
         )
     rows, columns = made.water.shape
     output.print(f"{made.name}: {rows} x {columns} at {made.pitch_m:g} m, {made.water.sum()} nodes")
-    for remark in made.place.remarks if made.place else ():
-        output.print(remark, soft_wrap=True)
+    lines = made.place.remarks if made.place else ()
+    for line in (*lines, *narrow_berths(made.grid, [load_vessel("forager")])):
+        output.print(line, soft_wrap=True)
     output.print(f"place: {out}", soft_wrap=True)

@@ -152,7 +152,6 @@ def _play(
 ) -> None:
     """Run, show the headline table and draw the report."""
     from mjforage.base.errors import UserError
-    from mjforage.physics.vessel_moves import followed
     from mjforage.runs.run_info import load_run, read_json
     from mjforage.view.report import needed_table, terminal_table
 
@@ -165,8 +164,6 @@ def _play(
         f"{setup.scenario.name} on map {setup.grid.name} ({rows} x {columns}, "
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
-    for line in followed(setup):
-        output.print(line, soft_wrap=True)
     how: dict[str, Any] = {"seed": choice.seed, "metrics": choice.metric, "record": recorded}
     how |= {"resume": again.resume, "device": choice.device, **by.asked()}
     with bar(words, "episodes") as progress:

@@ -1,4 +1,4 @@
-"""Warnings before a run: effects missing from worlds or vessels, and limits of the vessels."""
+"""Lines before a run: effects missing from worlds or vessels, limits of vessels, derived moves."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,8 +10,11 @@ from mjforage.forcing import LEEWAY
 from mjforage.forcing.record import far_km
 from mjforage.forcing.record_files import read_record
 from mjforage.mission.setup import Setup
+from mjforage.physics.berth_room import narrow_berths
+from mjforage.physics.dynamics.fleet_scene import fleet_vessels
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.vessel_models import damping_rates, decision_s, full_speed_s, vessel_model
+from mjforage.physics.vessel_moves import followed
 from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
 from mjforage.physics.worlds import WORLDS
 from mjforage.scenario.faults import Faults
@@ -51,10 +54,11 @@ def run_warnings(setup: Setup, worlds: Sequence[str]) -> tuple[str, ...]:
     lines = [*_unfelt_keys(scenario, worlds, adapted), *_still_items(adapted)]
     lines += _of_record(scenario.weather, setup.grid.place)
     lines += _soft_fenders(scenario.physics) if adapted else ()
+    lines += _narrow(setup) if adapted else ()
     for vessel, teams in _vessels(setup).items() if adapted else ():
         where = f"vessel {vessel.name} of {' and '.join(teams)}"
         lines += [f"{where}: {words}" for words in _of_vessel(scenario, adapted, vessel, teams)]
-    return tuple(lines)
+    return (*lines, *followed(setup))
 
 
 def _unfelt_keys(
@@ -131,6 +135,12 @@ def _soft_fenders(choice: Physics) -> Iterator[str]:
             f"are soft, and 1 m/s takes a hull {500 * step_s:g} mm and more into a quay; "
             f'give at most {FENDER_STEP_S:g} s, or physics.integrator = "fast"'
         )
+
+
+def _narrow(setup: Setup) -> Iterator[str]:
+    """Berths of a place with too little room."""
+    vessels = fleet_vessels(setup.fleet, setup.scenario.physics)
+    return narrow_berths(setup.grid, vessels, int(setup.fleet.moves.max()))
 
 
 def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:

@@ -46,10 +46,10 @@ def with_moves(scenario: Scenario) -> Scenario:
 def followed(setup: Setup) -> list[str]:
     """Lines on the moves that follow from vessels."""
     teams, physics = setup.scenario.team, setup.scenario.physics
+    hulls = {name: hull_name(physics, name, teams[name].collects) for name in setup.following}
     return [
-        f"team.{name}.moves = {teams[name].nodes}, from vessel "
-        f"{hull_name(physics, name, teams[name].collects)}"
-        for name in setup.following
+        f"team.{name}.moves = {teams[name].nodes}, from vessel {load_vessel(hull).name}"
+        for name, hull in hulls.items()
     ]
 
 

@@ -29,23 +29,38 @@ from mjforage.runs.resuming import UNCOMPARED
 from mjforage.scenario.capture import load_capture, usual_capture
 from mjforage.scenario.scenario import Scenario, Sensors
 from mjforage.scenario.scenario_file import canonical_json, scenario_to_tree
-from mjforage.scenario.vessel_files import hull_names
+from mjforage.scenario.vessel_files import hull_names, vessel_path
 
 WARP = "mujoco-warp", "warp-lang"  # libraries that move hulls on a device
 
 
 def pinned(setup: Setup) -> Setup:
-    """The same setup with the starts beside its map and all of its record's path in its scenario.
+    """The same setup with the starts beside its map and `whole_paths` in its scenario.
 
     So that `run.json` alone says what was run, whatever becomes of the map's files, and wherever
     it is read.
     """
-    scenario, weather = setup.scenario, setup.scenario.weather
     choice = replace(setup.scenario.map, starts=setup.start_cells)
+    return replace(setup, scenario=replace(whole_paths(setup.scenario), map=choice))
+
+
+def whole_paths(scenario: Scenario) -> Scenario:
+    """The scenario with all of the paths of its record and its vessels; names stay as they are.
+
+    Raises
+    ------
+    UserError
+        If the record or a vessel cannot be read.
+    """
+    weather, physics = scenario.weather, scenario.physics
     if weather.file is not None:
         read_record(weather.file)  # which tells what is no path
         weather = replace(weather, file=str(Path(weather.file).resolve()))
-    return replace(setup, scenario=replace(scenario, map=choice, weather=weather))
+    vessels = {
+        team: str(vessel_path(name).resolve()) if name.endswith(".toml") else name
+        for team, name in physics.vessels.items()
+    }
+    return replace(scenario, weather=weather, physics=replace(physics, vessels=vessels))
 
 
 def outside_code_of(policies: Iterable[str], classes: Iterable[Callable[..., Any]] = ()) -> Code:
@@ -151,6 +166,12 @@ def _captures(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
     return {"captures": {name: asdict(model(name)) for name in sorted(collecting)}}
 
 
+def weather_hashes(setup: Setup) -> dict[str, str]:
+    """Hash of the record that a scenario plays, as `record`, if it plays one."""
+    file = setup.scenario.weather.file
+    return {} if file is None else {"record": read_record(file).sha256}
+
+
 def weight_hashes(policies: Sequence[str]) -> dict[str, str]:
     """Hash of the files that every policy's moves depend on: they change under the same name."""
     found = {name: policy_files(name) for name in policies}
@@ -171,7 +192,7 @@ def run_info(
     ----------
     metrics : references, as for `chosen_metrics`
     """
-    navigable, record = setup.grid.navigable, setup.scenario.weather.file
+    navigable = setup.grid.navigable
     metric_classes = chosen_metrics(metrics)
     origin, code = (
         provenance(),
@@ -193,7 +214,7 @@ def run_info(
             "pitch_m": setup.scenario.map.pitch_m,
             "navigable": ["".join("01"[int(cell)] for cell in row) for row in navigable],
             **({"place": asdict(setup.grid.place)} if setup.grid.place else {}),
-            **({"record": read_record(record).sha256} if record else {}),
+            **weather_hashes(setup),
         },
         "versions": versions(code),
         "code": code.hashes,

@@ -33,7 +33,9 @@ from mjforage.runs.identity import (
     provenance,
     text_hash,
     versions,
+    weather_hashes,
     weight_hashes,
+    whole_paths,
 )
 from mjforage.runs.interrupts import stop_noted
 from mjforage.runs.lock import folder_lock
@@ -103,11 +105,12 @@ def train_with(
     resume : treatment of a run that the folder holds
     """
     _check_ends(hours, updates)
-    trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))
+    played = [whole_paths(one) for one in (scenario, *also)]
+    trainer = algorithm(played, hyperparameters, seed, _device(device))
     check_parts(trainer)
     trainer.begin()
     if evaluate:
-        trainer.evaluate_on(evaluate)
+        trainer.evaluate_on([whole_paths(one) for one in evaluate])
     if resume == "fresh":
         archive(folder, "training")
     open_folder(folder, "training", _facts(trainer), IDENTITY, resume == "accept-code-change")
@@ -219,8 +222,11 @@ def _setups(trainer: Algorithm[Any]) -> list[Setup]:
 
 
 def _maps(setups: Sequence[Setup]) -> str:
-    """Hash of the cells and starts of maps: a file may have changed, its name stays."""
-    found = [(ground_note(setup.task)["map"], setup.start_cells) for setup in setups]
+    """Hash of maps, starts and records: a file may have changed, its name stays."""
+    found = [
+        (ground_note(setup.task)["map"], setup.start_cells, *weather_hashes(setup).values())
+        for setup in setups
+    ]
     return text_hash(canonical_json(found))
 
 

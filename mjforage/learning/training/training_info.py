@@ -34,7 +34,7 @@ class TrainingInfo:
     evaluate: tuple[Mapping[str, Any], ...] = ()
     """Scenarios of evaluations; absent where it is the first of the run."""
     maps: str = ""
-    """Hash of the cells and starts of the maps; of a family, of its ends."""
+    """Hash of the maps' cells and starts and of records of weather; of a family, of its ends."""
     hulls: str = ""
     """Hash of the hulls, debris and capture models; absent in the graph world."""
     instructions: str = ""

@@ -36,6 +36,12 @@ class Turn(NamedTuple):
     half_beam_m: float
 
 
+def turn_of(half_sizes: FloatArray) -> Turn:
+    """Room for the largest of (vessel, 2) half lengths and beams [m]."""
+    reach = np.array((np.hypot(*half_sizes.T), half_sizes[:, 1]))
+    return Turn(*(BERTH_M + reach.max(axis=1)))
+
+
 @kernel
 def room_of_walls(land: LandArray, i: int, j: int, x: float, y: float) -> float:
     """Way [m] from a point to the walls of cell (i, j)."""

@@ -25,7 +25,7 @@ from mjforage.mission.item_rule import collect, item_rule
 from mjforage.mission.moves import Moves
 from mjforage.mission.task import IDLE
 from mjforage.mission.trajectory import TrajectoryRecorder
-from mjforage.physics.dynamics.berths import BERTH_M, Turn, berths, clear_of_walls
+from mjforage.physics.dynamics.berths import berths, clear_of_walls, turn_of
 from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.collecting import (
     Attempts,
@@ -134,8 +134,8 @@ class MujocoDynamics:
         Forcing.of(scenario, np.zeros(1, np.uint64), graph, place)
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
-        room = Turn(*(BERTH_M + np.array((np.hypot(*self._size.T), self._size[:, 1])).max(axis=1)))
-        self._berths_xy = berths(*self._grid, self._centres_xy, room, int(fleet.moves.max()))
+        room, most = turn_of(self._size), int(fleet.moves.max())
+        self._berths_xy = berths(*self._grid, self._centres_xy, room, most)
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""

@@ -1,6 +1,7 @@
 """Exported scenes, opened by a process that knows MuJoCo alone."""
 
 import dataclasses
+import itertools
 import json
 import subprocess
 import sys
@@ -10,10 +11,13 @@ from typing import Any
 import numpy as np
 import polars as pl
 import pytest
+import shapely
+from numpy.typing import NDArray
 
 import mjforage as mf
 from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.debris import load_debris
+from tests.mjforage.scenario.placing.drawn import geojson
 
 ALONE = """
 import json, sys, mujoco
@@ -178,6 +182,42 @@ def test_items_that_are_gone_lie_apart(port: mf.Scenario, tmp_path: Path) -> Non
     keys = np.array(opened(folder)["key_qpos"])[:, 3 * len(port.fleet) :].reshape(5, -1, 2)
     assert (keys[:4, 3] > -4.0).all()
     assert (keys[4, 3] < -40.0).all()
+
+
+def test_a_scene_of_a_place_has_its_walls(tmp_path: Path) -> None:
+    """Thin boxes along the outline, which hold hulls; cells of land hold items alone."""
+    import mujoco
+
+    shape = shapely.affinity.rotate(shapely.box(-30, -20, 30, 20), 30.0)
+    source = geojson(tmp_path / "basin.geojson", [(shape, {"natural": "water"})])
+    bay = mf.load_scenario("open-bay", map=mf.Map.of_chart(source, tmp_path / "port"), horizon=4)
+    assert bay.map.place is not None
+    folder = bay.export(tmp_path / "scene", "mjcf")
+    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    data = mujoco.MjData(model)
+    named = [(model.geom(g).name, g) for g in range(model.ngeom)]
+    walls = [g for name, g in named if name.startswith("quay")]
+    (ring,) = [np.array(ring) for ring in bay.map.place.quays if len(ring) == 5][-1:]
+    mujoco.mj_forward(model, data)
+
+    def covered(xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+        off = xy[:, None] - data.geom_xpos[walls, :2]
+        along = np.einsum("pgi,gij->pgj", off, data.geom_xmat.reshape(-1, 3, 3)[walls, :2, :2])
+        inside = (np.abs(along) < model.geom_size[walls, :2] + 1e-4).all(axis=2)
+        return np.asarray(inside.any(axis=1))
+
+    for start, end in itertools.pairwise(ring):
+        way = (end - start) / np.hypot(*(end - start))
+        line = start + np.linspace(1.0, 39.0, 20)[:, None] * way
+        for off_m, inside in ((0.0, True), (0.045, True), (0.06, False), (-0.06, False)):
+            assert (covered(line + off_m * np.array([-way[1], way[0]])) == inside).all()
+    middle = 0.5 * (ring[0] + ring[1])
+    for where, hits in ((middle, {"quay"}), (np.zeros(2), set())):  # the corner cell is land
+        data.qpos[:2] = where
+        mujoco.mj_forward(model, data)
+        pairs = [{model.geom(g).name for g in pair} for pair in data.contact.geom]
+        met = set().union(*(pair for pair in pairs if "scouts_0/collider" in pair))
+        assert {name.split("-")[0] for name in met if "quay" in name or "bank" in name} == hits
 
 
 def test_a_folder_that_holds_something_is_refused(port: mf.Scenario, scene: Path) -> None:

@@ -17,6 +17,7 @@ from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.berths import Turn, berths
 from mjforage.physics.dynamics.touch import touches
+from mjforage.physics.run_warnings import run_warnings
 from mjforage.physics.scene.quays import walls_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.worlds import create_mission
@@ -115,3 +116,33 @@ def test_touches_are_those_of_walls() -> None:
         touches(pose, velocity, size, *quays, hit, fast)
         assert hit[0] == touching
         assert fast[0] == pytest.approx(closing, abs=1e-9)
+
+
+def basin(room_m: float) -> GridMap:
+    """Six by six cells of 4 m; quays on two of land leave so much to both sides of that between."""
+    rings = tuple(
+        ((west, 6.2), (east, 6.2), (east, 9.8), (west, 9.8), (west, 6.2))
+        for west, east in ((2.0, 8.0 - room_m), (8.0 + room_m, 14.0))
+    )
+    water = np.ones((6, 6), np.bool_)
+    water[3, [1, 3]] = False
+    return GridMap("basin", water, Place(43.0, -20.0, 4.0, 6, 6, quays=rings))
+
+
+@pytest.mark.parametrize("room_m", [1.0, 1.2, 1.8])
+def test_berths_with_too_little_room_are_told(room_m: float) -> None:
+    """A forager of 2 m x 1.08 m turns in 2.27 m; walls have a thickness."""
+    bay = mf.load_scenario("open-bay").scenario
+    setup = Setup(replace(bay, map=replace(bay.map, starts=())), basin(room_m))
+    lines = [line for line in run_warnings(setup, ("graph", "physics")) if "narrowest" in line]
+    assert len(lines) == (room_m < 1.136 + 0.05)
+    assert setup.grid.place is not None
+    latitude, longitude = setup.grid.place.latlon([3, 2])
+    for line in lines:
+        assert line == (
+            "map basin: in 1 of 34 nodes quays leave a berth less than the 2.27 m that vessel "
+            f"forager needs to turn, and it may touch them; the narrowest, of 1.9 m, is at "
+            f"{latitude:.5f}, {longitude:.5f}; make the place with a larger --share, or give a "
+            "smaller vessel"
+        )
+    assert not any("narrowest" in line for line in run_warnings(setup, ("graph",)))
