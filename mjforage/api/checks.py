@@ -21,12 +21,7 @@ Named = str | os.PathLike[str]
 def whole(name: str, value: object, least: float = -inf, most: float = inf) -> int:
     """A whole number, of Python or numpy.
 
-    Raises
-    ------
-    TypeError
-        If it is none.
-    UserError
-        If it is below `least` or above `most`.
+    Raises `TypeError` if it is none; `UserError` if it is below `least` or above `most`.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise TypeError(f"{name} is {type(value).__name__}; give a whole number")

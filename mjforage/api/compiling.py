@@ -27,17 +27,13 @@ def compile_kernels(
     """Compile and keep the kernels of runs, pictures, environments and training.
 
     What else a scenario or policy needs is compiled when it is first played. What cannot be played
-    here for want of an extra or of OpenGL is left out.
+    here for want of an extra or of OpenGL is left out. Raises `UserError` if there is no such
+    scenario, policy or world.
 
     Parameters
     ----------
     scenarios, worlds : names; none: `SCENARIOS`, `WORLDS`
     policies : names; none: all of them in the first scenario, `POLICIES` in the others
-
-    Raises
-    ------
-    UserError
-        If there is no such scenario, policy or world.
     """
     worlds, scenarios = worlds or WORLDS, scenarios or SCENARIOS
     about: dict[str, Any] = {"horizon": DECISIONS, "progress": False}

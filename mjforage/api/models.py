@@ -51,10 +51,7 @@ class LoadedModel(ModelPolicy):
 def policy_of_model(model: Any, name: str) -> type[LoadedModel]:
     """Class of a policy that asks a loaded model; its action space tells how it decides.
 
-    Raises
-    ------
-    UserError
-        If its actions are not moves of an agent, or of a whole fleet.
+    Raises `UserError` if its actions are not moves of an agent, or of a whole fleet.
     """
     space = getattr(model, "action_space", None)
     moves = getattr(space, "n", None) == 9 or set(np.ravel(getattr(space, "nvec", ()))) == {9}

@@ -65,14 +65,11 @@ class Players:
     def of(cls, policies: Any) -> "Players":
         """Policies in any form.
 
+        Raises `UserError` if one is in no form that is known.
+
         Parameters
         ----------
         policies : one policy, several in a list, or a dict of name -> policy
-
-        Raises
-        ------
-        UserError
-            If one is in no form that is known.
         """
         if isinstance(policies, Mapping):
             found = [_found(one, _checked(str(name))) for name, one in policies.items()]
@@ -89,12 +86,8 @@ class Players:
     def known(self) -> Iterator[list[str]]:
         """Let the registry of policies find the objects by name; yields the names.
 
-        Code that a name has is trusted from here on: to give it is the user's word.
-
-        Raises
-        ------
-        UserError
-            If a name is that of another policy.
+        Code that a name has is trusted from here on: to give it is the user's word. Raises
+        `UserError` if a name is that of another policy.
         """
         plain = (name.partition("(")[0].strip() for name in self.names)
         trust(*(name for name in plain if ":" in name))

@@ -27,10 +27,8 @@ def vessel_folder() -> Path:
 def vessel_file(vessel: Vessel) -> Path:
     """File of a vessel that is an object; the same for equal vessels.
 
-    Raises
-    ------
-    UserError
-        If a parameter is no valid one, no body can have them, or the file cannot be written.
+    Raises `UserError` if a parameter is no valid one, no body can have them, or the file cannot be
+    written.
     """
     where = f"vessel {vessel.name}"
     if not isinstance(vessel.name, str) or file_label(vessel.name) != vessel.name:

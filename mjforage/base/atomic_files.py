@@ -51,15 +51,12 @@ def remedy(error: BaseException, otherwise: str = "") -> str:
 def write_errors(path: Path, *others: type[Exception]) -> Iterator[None]:
     """Turn a failure to write into one clear error that names the cause and its remedy.
 
+    Raises `UserError` if the block fails for want of space or rights, or the path cannot be one.
+
     Parameters
     ----------
     path : file to write, for the message
     others : exceptions of the library that writes, beside `OSError`
-
-    Raises
-    ------
-    UserError
-        If the block fails for want of space or rights, or the path cannot be one.
     """
     failures: tuple[type[Exception], ...] = (OSError, *others)
     try:
@@ -80,16 +77,12 @@ def write_errors(path: Path, *others: type[Exception]) -> Iterator[None]:
 def atomic_write(path: Path, *others: type[Exception]) -> Iterator[Path]:
     """Give a temporary path in the same folder; it takes the place of `path` after the block.
 
-    If the block fails, nothing is left of it and an older file stays.
+    If the block fails, nothing is left of it and an older file stays. Raises `UserError` if the
+    file cannot be written.
 
     Parameters
     ----------
     path, others : as for `write_errors`
-
-    Raises
-    ------
-    UserError
-        If the file cannot be written.
     """
     with write_errors(path, *others):
         place = Path(os.path.realpath(path))  # a link stays one
@@ -120,10 +113,7 @@ def remove_parts(path: Path) -> None:
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a file whole, in a folder that is made if it is missing.
 
-    Raises
-    ------
-    UserError
-        If it cannot be written.
+    Raises `UserError` if it cannot be written.
     """
     with write_errors(path):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -134,10 +124,7 @@ def write_bytes(path: Path, content: bytes) -> None:
 def write_json(path: Path, value: object) -> None:
     """Write JSON whole; a file that holds the same bytes is left alone.
 
-    Raises
-    ------
-    UserError
-        If it cannot be written.
+    Raises `UserError` if it cannot be written.
     """
     content = (json.dumps(value, indent=1, allow_nan=False) + "\n").encode()
     with write_errors(path):

@@ -17,15 +17,12 @@ _DISTRIBUTIONS = {"opengl": "pyopengl"}
 def require(what: str, *modules: str) -> None:
     """Refuse to go on without a library.
 
+    Raises `UserError` if one is not installed; it names the extra that brings it.
+
     Parameters
     ----------
     what : that needs it, for the message
     modules : names of top-level modules; nothing is imported
-
-    Raises
-    ------
-    UserError
-        If one is not installed; it names the extra that brings it.
     """
     for module in modules:
         if importlib.util.find_spec(module) is None:

@@ -8,10 +8,7 @@ from mjforage.base.errors import UserError
 def check_at_least(policy: str, least: float, **options: float) -> None:
     """Refuse options that are less, or not finite.
 
-    Raises
-    ------
-    UserError
-        Naming policy, option and value.
+    Raises `UserError`, naming policy, option and value.
     """
     _check(policy, f"{least:g} or more", {n: (v, v >= least) for n, v in options.items()})
 

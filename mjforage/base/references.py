@@ -48,15 +48,12 @@ class Reference:
 def parse_reference(text: str, kind: str) -> Reference:
     """Read a reference.
 
+    Raises `UserError` if it is neither.
+
     Parameters
     ----------
     text : NAME or NAME(OPTION=VALUE, ...)
     kind : kind of the named part, for messages
-
-    Raises
-    ------
-    UserError
-        If it is neither.
     """
     name, opened, inside = text.strip().partition("(")
     name, inside = name.strip(), inside.strip()
@@ -86,14 +83,11 @@ def with_options(
 ) -> tuple[list[str], tuple[str, ...]]:
     """References with the options that overrides of the form KIND.NAME.OPTION=VALUE give them.
 
+    Raises `UserError` if no reference has that name, or one has that option with another value.
+
     Returns
     -------
     The references, and the overrides of other things.
-
-    Raises
-    ------
-    UserError
-        If no reference has that name, or one has that option with another value.
     """
     found = [parse_reference(text, kind) for text in references]
     others = []
@@ -174,6 +168,9 @@ def bind(
 ) -> tuple[Reference, Any]:
     """Check a reference's options against the signature of the class or function.
 
+    Raises `UserError` if an option is unknown, missing or, as its annotation tells, of the wrong
+    type.
+
     Parameters
     ----------
     given : arguments before the options, which it is called with whatever they say
@@ -182,11 +179,6 @@ def bind(
     -------
     The reference as all spell it (options that are the default are left out, 2.0 is 2), and the
     keyword arguments to call with.
-
-    Raises
-    ------
-    UserError
-        If an option is unknown, missing or, as its annotation tells, of the wrong type.
     """
     signature: Mapping[str, inspect.Parameter]
     try:
@@ -240,10 +232,8 @@ def _hints(made: Callable[..., object]) -> dict[str, Any]:
 def fitting(value: Any, hint: Any, where: str) -> Any:
     """A plain value as its annotation asks: an integer as float, a text as path, a list as tuple.
 
-    Raises
-    ------
-    UserError
-        If it is of another type; annotations that are not of plain types are not checked.
+    Raises `UserError` if it is of another type; annotations that are not of plain types are not
+    checked.
     """
     origin, inner = get_origin(hint), get_args(hint)
     if origin in (Union, UnionType):

@@ -33,10 +33,7 @@ _TRUSTED: set[str] = set()
 def trust(*references: str) -> None:
     """Let files name `package.module:Name` from here on: the user's own word, never a file's.
 
-    Raises
-    ------
-    UserError
-        If one is no such reference.
+    Raises `UserError` if one is no such reference.
     """
     for reference in references:
         _parts(reference, reference)
@@ -80,12 +77,8 @@ class Registry(Generic[T]):
     def lent(self, classes: Mapping[str, T]) -> Iterator[None]:
         """Make classes of this process known by name, for a while and to this thread alone.
 
-        Other processes get them by value, not by their names.
-
-        Raises
-        ------
-        UserError
-            If a name is one that is registered or installed.
+        Other processes get them by value, not by their names. Raises `UserError` if a name is one
+        that is registered or installed.
         """
         for name in classes:
             if name in self._registered or name in self._entries:
@@ -103,10 +96,7 @@ class Registry(Generic[T]):
     def register(self, name: str) -> Callable[[M], M]:
         """Decorator that makes something known under a name.
 
-        Raises
-        ------
-        ValueError
-            If the name is taken.
+        Raises `ValueError` if the name is taken.
         """
 
         def add(made: M) -> M:
@@ -136,13 +126,9 @@ class Registry(Generic[T]):
     def find(self, name: str) -> T:
         """Part of a name without options; a registered one comes first.
 
-        The name is the user's own word; one of a file goes through `check_trusted` before.
-
-        Raises
-        ------
-        UserError
-            If there is none of that name (the message offers the nearest), it cannot be imported,
-            or is no class with the methods of its kind.
+        The name is the user's own word; one of a file goes through `check_trusted` before. Raises
+        `UserError` if there is none of that name (the message offers the nearest), it cannot be
+        imported, or is no class with the methods of its kind.
         """
         if name in self._lent.get():
             return self._lent.get()[name]
@@ -169,18 +155,14 @@ class Registry(Generic[T]):
     def check_trusted(self, name: str, where: str, reference: str = "") -> None:
         """Refuse a name in a file if its code is not trusted.
 
-        What ships, what an installed package brings and what the user has named is taken.
+        What ships, what an installed package brings and what the user has named is taken. Raises
+        `UserError`, naming the ways by which the user may say so.
 
         Parameters
         ----------
         name : without options
         where : the file, for the message
         reference : where the file says that it is, if not by its name
-
-        Raises
-        ------
-        UserError
-            Naming the ways by which the user may say so.
         """
         for code in (reference, name):
             if ":" in code and not self.has(name) and code not in _TRUSTED:
@@ -193,10 +175,7 @@ class Registry(Generic[T]):
     def bound(self, text: str) -> tuple[Reference, T, dict[str, Any]]:
         """A reference in canonical form, the named part, and its options as keyword arguments.
 
-        Raises
-        ------
-        UserError
-            As `find`, and for options that it does not take.
+        Raises `UserError` as `find`, and for options that it does not take.
         """
         reference = parse_reference(text, self.kind)
         made = self.find(reference.name)
@@ -217,10 +196,7 @@ class Registry(Generic[T]):
     def import_specs(self, names: Iterable[str]) -> dict[str, ImportSpec]:
         """Import paths, for another process, of those names that are not ours.
 
-        Raises
-        ------
-        UserError
-            If one is of the script itself, which another process cannot import.
+        Raises `UserError` if one is of the script itself, which another process cannot import.
         """
         found = {name: self.find(name) for name in names if name not in self._lent.get()}
         return {
@@ -245,10 +221,7 @@ class Registry(Generic[T]):
     def add(self, name: str, spec: ImportSpec) -> None:
         """Make a name known that another process found, by its import spec.
 
-        Raises
-        ------
-        UserError
-            If it cannot be imported here.
+        Raises `UserError` if it cannot be imported here.
         """
         if name not in self._registered:
             made = self.resolve(spec)
@@ -257,10 +230,7 @@ class Registry(Generic[T]):
     def resolve(self, spec: ImportSpec) -> T:
         """The class of an import spec; it gets no name here.
 
-        Raises
-        ------
-        UserError
-            If it cannot be imported here.
+        Raises `UserError` if it cannot be imported here.
         """
         _reach(spec.folder)
         return self._class(spec.reference, spec.reference)
@@ -274,10 +244,8 @@ def is_ours(made: Any) -> bool:
 def built(what: str, make: Callable[..., Made], *given: Any, **options: Any) -> Made:
     """Call a class or function, and turn a `ValueError` into an error about its options.
 
-    Raises
-    ------
-    UserError
-        Of that `ValueError`, after `what`; of whatever else one raises that is not ours.
+    Raises `UserError` of that `ValueError`, after `what`; of whatever else one raises that is not
+    ours.
     """
     try:
         return make(*given, **options)
@@ -332,10 +300,7 @@ def _reach(folder: str) -> None:
 def _imported(reference: str, what: str) -> Any:
     """Import `package.module:Name`.
 
-    Raises
-    ------
-    UserError
-        If there is no such module or class, or the module itself does not import.
+    Raises `UserError` if there is no such module or class, or the module itself does not import.
     """
     module_name, path = _parts(reference, what)
     _reach(str(Path.cwd()))
@@ -375,13 +340,7 @@ def _imported(reference: str, what: str) -> Any:
 
 
 def _parts(reference: str, what: str) -> tuple[str, str]:
-    """Module and path of `package.module:Name`.
-
-    Raises
-    ------
-    UserError
-        If it is none.
-    """
+    """Module and path of `package.module:Name`; raises `UserError` if it is none."""
     module, _, path = reference.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), *path.split("."))):
         raise UserError(f"{what}: expected package.module:Name, letters, digits and underscores")

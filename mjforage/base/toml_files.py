@@ -12,14 +12,12 @@ LARGEST = 10_000_000  # bytes: some hundred times what anybody writes by hand
 def read_toml(path: Path, where: str) -> dict[str, Any]:
     """The tables of a file.
 
+    Raises `UserError` if the file cannot be read, is too large, not UTF-8 or not TOML, or is nested
+    too deeply.
+
     Parameters
     ----------
     where : start of error messages
-
-    Raises
-    ------
-    UserError
-        If the file cannot be read, is too large, not UTF-8 or not TOML, or is nested too deeply.
     """
     if path.exists() and not path.is_file():
         raise UserError(f"{where}: is no file; give a TOML file")

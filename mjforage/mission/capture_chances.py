@@ -36,10 +36,7 @@ class Chances(NamedTuple):
 def chances_of(fleet: Fleet, scenario: Scenario) -> Chances | None:
     """Capture probabilities of each agent, or None where all agents collect everything.
 
-    Raises
-    ------
-    UserError
-        If a collecting vessel has no capture model, or one for another period.
+    Raises `UserError` if a collecting vessel has no capture model, or one for another period.
     """
     if scenario.rules.capture == "certain":
         return None
@@ -59,10 +56,7 @@ def chances_of(fleet: Fleet, scenario: Scenario) -> Chances | None:
 def pickup_of(fleet: Fleet, scenario: Scenario) -> Pickup:
     """Mean delays of collecting for a fleet, see `usual_capture`; 0 for other agents.
 
-    Raises
-    ------
-    UserError
-        If a capture model is not a valid one.
+    Raises `UserError` if a capture model is not a valid one.
     """
     first, more = np.zeros((len(fleet), len(QUAYS), len(FROM_DEG))), np.zeros(len(fleet))
     names = hull_names(fleet, scenario.physics)

@@ -20,13 +20,7 @@ class Carrier:
     """Drift of the items of a batch by wind and current, without gusts, which last seconds."""
 
     def __init__(self, graph: NavigationGraph, scenario: Scenario, place: Place | None) -> None:
-        """Prepare.
-
-        Raises
-        ------
-        UserError
-            If an item class is not known, or as `Forcing.create`.
-        """
+        """Prepare; raises `UserError` if an item class is not known, or as `Forcing.create`."""
         self._choices, self._period_s = item_choices(scenario.physics), scenario.period_s
         self._graph, self._scenario, self._place = graph, scenario, place
         self._forced(np.zeros(1, np.uint64))

@@ -64,17 +64,14 @@ class Forecasts:
     ) -> None:
         """Compare forecasts with the truth.
 
+        Raises `UserError` if it is no array of numbers of that shape, or one is negative or NaN.
+
         Parameters
         ----------
         expected : (row, node) items, in one row or more per episode
         truth : (episode, node) items
         active : (episode,) False once it is over
         who : name of the forecaster, for messages
-
-        Raises
-        ------
-        UserError
-            If it is no array of numbers of that shape, or one is negative or NaN.
         """
         shape, kind = np.shape(expected), getattr(getattr(expected, "dtype", None), "kind", "")
         whole = len(shape) == 2 and shape[0] and shape[0] % max(1, active.size) == 0

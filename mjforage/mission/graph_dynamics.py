@@ -80,10 +80,7 @@ class GraphDynamics:
     ) -> None:
         """Prepare.
 
-        Raises
-        ------
-        UserError
-            If capture is calibrated and a vessel that collects is not.
+        Raises `UserError` if capture is calibrated and a vessel that collects is not.
         """
         self._graph, self._trajectory, self._period_s = graph, trajectory, scenario.period_s
         self._items = item_rule(graph, fleet, scenario, place)

@@ -121,15 +121,12 @@ def _place_items(
 def nodes_around(graph: NavigationGraph, nodes: Int32Array, count: int) -> Int32Array:
     """`count` nodes: the given ones, then those nearest to them by water (ties: lowest index).
 
+    Raises `UserError` if the map has fewer nodes than agents.
+
     Parameters
     ----------
     nodes : (start,) distinct nodes
     count : number wanted; fewer than given cuts nothing off
-
-    Raises
-    ------
-    UserError
-        If the map has fewer nodes than agents.
     """
     if count > len(graph):
         raise UserError(
@@ -186,6 +183,8 @@ def create_initial_state(
 ) -> InitialState:
     """The worlds of a batch of episodes.
 
+    Raises `UserError` if there are more agents than nodes.
+
     Parameters
     ----------
     node_mps : speed of a node per decision [m/s]
@@ -193,11 +192,6 @@ def create_initial_state(
     keys : (episode,) episode keys
     walls : boundary condition of items on land, of `WALLS`
     north_deg : bearing of the map's y axis, clockwise from true north
-
-    Raises
-    ------
-    UserError
-        If there are more agents than nodes.
     """
     drift = steady_wind(keys, weather, node_mps, north_deg).drift_rc
     counts, item_rc, item_node = read_only(_place_items(graph, items, WALLS.index(walls), keys))

@@ -342,13 +342,7 @@ class ItemRule:
 def item_rule(
     graph: NavigationGraph, fleet: Fleet, scenario: Scenario, place: Place | None
 ) -> ItemRule:
-    """The rule of a scenario.
-
-    Raises
-    ------
-    UserError
-        As `chances_of` and `Carrier`.
-    """
+    """The rule of a scenario; raises `UserError` as `chances_of` and `Carrier`."""
     carrier = Carrier(graph, scenario, place) if scenario.weather.forced else None
     about = scenario.weather.noise_node_per_step, scenario.rules.walls
     return ItemRule(graph, fleet, *about, chances_of(fleet, scenario), carrier)

@@ -56,15 +56,12 @@ class Mission:
     ) -> None:
         """Compose a mission.
 
+        Raises `UserError` if a role has a capability that no rule of the mission uses.
+
         Parameters
         ----------
         dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
         exchange : rules by which scans reach the belief owners; absent: over the scenario's link
-
-        Raises
-        ------
-        UserError
-            If a role has a capability that no rule of the mission uses.
         """
         self.setup = setup
         if exchange is None:
@@ -284,12 +281,8 @@ class Mission:
         """Preferences (episode, agent, 9) of a policy, those of each agent by its own knowledge.
 
         An oracle upper bound (`UpperBound`) gets the truth too, and what the fleet knows together
-        unless it is `decentralised`.
-
-        Raises
-        ------
-        UserError
-            If the answer is no array of numbers of that shape.
+        unless it is `decentralised`. Raises `UserError` if the answer is no array of numbers of
+        that shape.
         """
         self._asked = who = f"policy {type(policy).__name__}"
         set_ground_truth = getattr(
@@ -329,14 +322,11 @@ class Mission:
     def advance(self, preferences: NDArray[np.float64]) -> Transition:
         """One step of every active episode.
 
+        Raises `UserError` if the preferences have the wrong shape, are no numbers or contain NaN.
+
         Parameters
         ----------
         preferences : (episode, agent, 9), see `Resolver`
-
-        Raises
-        ------
-        UserError
-            If the preferences have the wrong shape, are no numbers or contain NaN.
         """
         self._moves = self.decide(preferences)
         self._begin_step(self.step + self.active)

@@ -325,15 +325,12 @@ def check_preferences(
 ) -> NDArray[np.float64]:
     """The answer of a policy, if it is an array (row, agent, 9) of numbers.
 
+    Raises `UserError` if it is not.
+
     Parameters
     ----------
     rows_agents : required number of rows and agents
     who, how : source of the array, as an error begins: "policy North: act gave"
-
-    Raises
-    ------
-    UserError
-        If it is not.
     """
     shape = (*rows_agents, 9)
     kind = getattr(getattr(answer, "dtype", None), "kind", "")
@@ -377,6 +374,9 @@ class Resolver:
     ) -> Moves:
         """Resolve one step of a batch.
 
+        Raises `UserError` if the preferences have the wrong shape or contain NaN: the policy is at
+        fault.
+
         Parameters
         ----------
         active : (episode,) others keep their place
@@ -390,11 +390,6 @@ class Resolver:
         keys : (episode,) episode keys
         owner_of : (agent,) by whose belief each agent acts; absent: one owner for all
         who : name of the policy, for messages
-
-        Raises
-        ------
-        UserError
-            If the preferences have the wrong shape or contain NaN: the policy is at fault.
         """
         check_preferences(preferences, agent_node.shape, who)
         moves = Moves(

@@ -46,10 +46,8 @@ class Plain:
     def __call__(self, observation: Observation) -> Observation:
         """An observation whose arrays are of their types, one item beside the other.
 
-        Raises
-        ------
-        UserError
-            If it is not of the task or of so many rows, or holds a number that is no node or agent.
+        Raises `UserError` if it is not of the task or of so many rows, or holds a number that is no
+        node or agent.
         """
         active, step, *others, delayed_scans, delayed_shown, owner = observation
         if (

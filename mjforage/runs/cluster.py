@@ -38,14 +38,12 @@ def check_address(scheduler: str) -> None:
 def connected(scheduler: str) -> Iterator[Any]:
     """Give a dask client of a scheduler.
 
+    Raises `UserError` if dask is missing, or the scheduler or its workers cannot be reached or are
+    lost.
+
     Parameters
     ----------
     scheduler : address, such as tcp://host:8786
-
-    Raises
-    ------
-    UserError
-        If dask is missing, or the scheduler or its workers cannot be reached or are lost.
     """
     check_dask()
     with interrupts_held():
@@ -106,18 +104,14 @@ def finished(
     """Have the cluster carry out tasks, and give the place and result of each as it is done.
 
     Results that were given are no longer kept, or the cluster would carry a task out once more when
-    the worker that had it dies.
+    the worker that had it dies. Raises `UserError` if the cluster is lost, or cannot carry out a
+    task.
 
     Parameters
     ----------
     client : of `connected`
     function : called with the words of a task; workers that come later find tasks left
     work : tasks
-
-    Raises
-    ------
-    UserError
-        If the cluster is lost, or cannot carry out a task.
     """
     import distributed as untyped
 
@@ -167,14 +161,11 @@ def cores(client: Any) -> int:
 def check_code(asked: Iterable[tuple[str, str]], here: Mapping[str, str]) -> None:
     """Check in a worker that it runs the same code as the asking process.
 
+    Raises `UserError`, naming the machine and the difference.
+
     Parameters
     ----------
     asked, here : file or library -> hash or version
-
-    Raises
-    ------
-    UserError
-        Naming the machine and the difference.
     """
     for name, there in asked:
         if here.get(name) != there:
@@ -187,10 +178,7 @@ def check_code(asked: Iterable[tuple[str, str]], here: Mapping[str, str]) -> Non
 def check_threads() -> None:
     """Check in a worker of a cluster that it computes one chunk at a time.
 
-    Raises
-    ------
-    UserError
-        Naming the machine and its threads.
+    Raises `UserError`, naming the machine and its threads.
     """
     from distributed import get_worker
 
@@ -208,10 +196,7 @@ def check_run(
 ) -> None:
     """Check in a worker that it shares the run folder, and reads the same scenario and hulls.
 
-    Raises
-    ------
-    UserError
-        Naming the machine, and the folder or the scenario.
+    Raises `UserError`, naming the machine, and the folder or the scenario.
     """
     here, file = socket.gethostname(), folder / "run.json"
     if not file.is_file():

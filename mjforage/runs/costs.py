@@ -56,10 +56,7 @@ class Cost:
     def of(cls, data: object, where: str) -> "Cost":
         """Check a record that was read.
 
-        Raises
-        ------
-        UserError
-            If a key is missing or of another type.
+        Raises `UserError` if a key is missing or of another type.
         """
         return check(cls, data, where, remedy=REMEDY)
 
@@ -82,10 +79,7 @@ def costs_content(costs: Iterable[Cost]) -> dict[str, Any]:
 def load_costs(path: Path) -> tuple[Cost, ...]:
     """Read `costs.json`; nothing where a folder has none.
 
-    Raises
-    ------
-    UserError
-        If it is malformed.
+    Raises `UserError` if it is malformed.
     """
     if not path.is_file():
         return ()

@@ -27,11 +27,8 @@ def carried_out(
 ) -> Generator[int]:
     """Have `run_chunk` or `record_episode` called, yielding the place of each task that is done.
 
-    Raises
-    ------
-    UserError
-        If a task fails for a reason that a user can mend, a worker was killed, or the cluster
-        cannot be used. Finished chunks stay.
+    Raises `UserError` if a task fails for a reason that a user can mend, a worker was killed, or
+    the cluster cannot be used. Finished chunks stay.
     """
     if not work:
         return

@@ -16,14 +16,11 @@ _LARGEST = 200_000_000  # bytes of a JSON file: more than the summary of any run
 def check_files(file: Path) -> None:
     """Refuse a folder of a run, study or training that leads out of itself.
 
+    Raises `UserError` if a link, a pipe or a device is in the folder, at any depth.
+
     Parameters
     ----------
     file : in the folder, that says what it holds; without it the folder is none of ours, and free
-
-    Raises
-    ------
-    UserError
-        If a link, a pipe or a device is in the folder, at any depth.
     """
     places = [str(file.parent)] if os.path.lexists(file) else []
     while places:
@@ -41,15 +38,12 @@ def check_files(file: Path) -> None:
 def check_names(where: str, names: Mapping[str, Iterable[object]]) -> None:
     """Refuse names of a file that are to become names of files and could be paths.
 
+    Raises `UserError` if one holds anything but letters, digits and `_.@+-`, or begins with a sign.
+
     Parameters
     ----------
     where : the file, for the message
     names : key of the file -> names
-
-    Raises
-    ------
-    UserError
-        If one holds anything but letters, digits and `_.@+-`, or begins with a sign.
     """
     for key, found in names.items():
         for name in found:

@@ -164,10 +164,7 @@ Task = tuple[Job, Work]
 def _setup(job: Job) -> Setup:
     """The setup of a job, built (and in another process checked) once per process.
 
-    Raises
-    ------
-    UserError
-        If this is a worker that does not agree with the process that asked.
+    Raises `UserError` if this is a worker that does not agree with the process that asked.
     """
     if job.parent is None:
         cluster.check_threads()
@@ -202,10 +199,7 @@ def _die_with(parent: int) -> None:
 def is_recorded(folder: Path, one: Episode) -> bool:
     """True if a run folder holds a complete recording of an episode.
 
-    Raises
-    ------
-    UserError
-        If the folder cannot be read.
+    Raises `UserError` if the folder cannot be read.
     """
     path = recording_file(folder, *one)
     with write_errors(path):

@@ -78,10 +78,7 @@ class KnowledgeRecord:
     def of(cls, file: Mapping[str, NDArray[Any]], cells: int) -> "KnowledgeRecord | None":
         """Of an open file, whose axes fit; None if it has none.
 
-        Raises
-        ------
-        ValueError
-            If its changes do not fit the map.
+        Raises `ValueError` if its changes do not fit the map.
         """
         if "held_changes" not in file:
             return None

@@ -69,11 +69,7 @@ def take_apart(folder: RunFolder) -> None:
     """Make chunks of the merged tables again, so that a run can go on to more episodes.
 
     Tables that are not all there, or do not hold what `costs.json` says, are left to be computed.
-
-    Raises
-    ------
-    UserError
-        If a table cannot be read or a chunk not be written.
+    Raises `UserError` if a table cannot be read or a chunk not be written.
     """
     places = {table: folder.path / f"{table}.parquet" for table in TABLES}
     if not all(place.is_file() for place in places.values()):

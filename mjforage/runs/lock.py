@@ -20,13 +20,8 @@ def folder_lock(path: Path) -> Iterator[None]:
 
     The lock is on the file `.lock` in the folder, which stays. A folder that this process may not
     write to is not locked: a finished run is read there as well, and where something must be
-    written, the first file names the cause.
-
-    Raises
-    ------
-    UserError
-        If another process is writing it, the disk has no locks, or a link is in the folder, by
-        which the lock could be a file elsewhere.
+    written, the first file names the cause. Raises `UserError` if another process is writing it,
+    the disk has no locks, or a link is in the folder, by which the lock could be a file elsewhere.
     """
     check_files(path / _LOCK)
     lock = FileLock(path / _LOCK)

@@ -19,15 +19,12 @@ FAILURES = (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException)
 def read_schema(path: Path, remedy: str = "") -> dict[str, pl.DataType]:
     """Columns and their types, in order.
 
+    Raises `UserError` if the file is missing, truncated or not Parquet.
+
     Parameters
     ----------
     path : Parquet file
     remedy : last words of a message; to move the file away and compute it again if empty
-
-    Raises
-    ------
-    UserError
-        If the file is missing, truncated or not Parquet.
     """
     if not path.exists():
         raise UserError(f"{path}: missing, as in a run that is not finished; {remedy or AGAIN}")
@@ -50,17 +47,14 @@ def read_parquet(
 ) -> pl.DataFrame:
     """A table, or some columns and rows of it.
 
+    Raises `UserError` as `read_schema`, and if a column is missing, the file is damaged inside, or
+    unpacks to more than this machine has memory for.
+
     Parameters
     ----------
     path, remedy : as for `read_schema`
     columns : all of them if None
     rows : rows to read; all of them if None
-
-    Raises
-    ------
-    UserError
-        As `read_schema`, and if a column is missing, the file is damaged inside, or unpacks to
-        more than this machine has memory for.
     """
     frame = scan_parquet(path, columns, remedy)
     if rows is None:
@@ -80,14 +74,11 @@ def scan_parquet(
 ) -> pl.LazyFrame:
     """A table of which nothing is read yet, for those too large to be held; `collected` reads it.
 
+    Raises `UserError` as `read_schema`, and if a column is missing.
+
     Parameters
     ----------
     path, columns, remedy : as for `read_parquet`
-
-    Raises
-    ------
-    UserError
-        As `read_schema`, and if a column is missing.
     """
     schema = read_schema(path, remedy)
     for name in columns or ():
@@ -101,13 +92,7 @@ def scan_parquet(
 
 
 def collected(path: Path, frame: pl.LazyFrame, remedy: str = "") -> pl.DataFrame:
-    """Rows of a lazy query of a table.
-
-    Raises
-    ------
-    UserError
-        If the file is damaged inside.
-    """
+    """Rows of a lazy query of a table; raises `UserError` if the file is damaged inside."""
     try:
         return frame.collect()
     except FAILURES as error:
@@ -124,12 +109,8 @@ def parquet_bytes(frame: pl.DataFrame) -> bytes:
 def join_parquet(sources: Iterable[Path], target: Path) -> None:
     """Write the rows of several files, in their order, into one, without holding them all.
 
-    A number that some of them have no column for is undefined in their rows: NaN.
-
-    Raises
-    ------
-    UserError
-        If the target cannot be written.
+    A number that some of them have no column for is undefined in their rows: NaN. Raises
+    `UserError` if the target cannot be written.
     """
     with atomic_write(target, pl.exceptions.PolarsError) as beside:
         frame = pl.scan_parquet(files := list(sources), glob=False)

@@ -56,16 +56,13 @@ def record(
 ) -> Recording:
     """Play one episode and keep all of it.
 
+    Raises `UserError` if there is no such policy.
+
     Parameters
     ----------
     setup : scenario and map
     world, policy : names; without a policy nothing is played, and the start alone is kept
     seed, episode : seed of the run, number of the episode
-
-    Raises
-    ------
-    UserError
-        If there is no such policy.
     """
     trajectory, recorder = TrajectoryRecorder(), _Recorder()
     mission = create_mission(setup, world, trajectory)

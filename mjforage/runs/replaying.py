@@ -35,20 +35,16 @@ def recording_of_run(
 ) -> Recording:
     """A logged episode: as it was recorded, or played again if it was not.
 
-    The folder may be anybody's: of the policies that it names only those are played that ship,
-    that an installed package brings, or whose code the user has named (`registry.trust`).
+    The folder may be anybody's: of the policies that it names only those are played that ship, that
+    an installed package brings, or whose code the user has named (`registry.trust`). Raises
+    `UserError` if the run does not hold that episode, its policy is of code that is not trusted, or
+    the episode does not come out as it was logged.
 
     Parameters
     ----------
     folder : complete run folder
     world, policy : names; None for the run's first
     episode : number
-
-    Raises
-    ------
-    UserError
-        If the run does not hold that episode, its policy is of code that is not trusted, or the
-        episode does not come out as it was logged.
     """
     run = load_run(folder / "run.json")
     policy, world = policy or run.policies[0], world or run.worlds[0]
@@ -105,10 +101,7 @@ def _check_record(file: str, sha256: str) -> None:
 def as_logged(recording: Recording, run: RunFolder) -> bool:
     """True if the agents' positions are those of the log, to the bit.
 
-    Raises
-    ------
-    UserError
-        If the log is missing, truncated or foreign.
+    Raises `UserError` if the log is missing, truncated or foreign.
     """
     logged = (
         run.table("agents")

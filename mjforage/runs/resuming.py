@@ -169,7 +169,9 @@ def open_folder(
 ) -> dict[str, Any]:
     """Create a folder with its file `<kind>.json`, or check that the file says the same.
 
-    One that holds fewer episodes of the same goes on to more: it is no longer complete then.
+    One that holds fewer episodes of the same goes on to more: it is no longer complete then. Raises
+    `UserError` if the folder holds another one (the difference is named) or something else, or
+    cannot be written, or is just being written.
 
     Parameters
     ----------
@@ -182,12 +184,6 @@ def open_folder(
     Returns
     -------
     The content that the file is to have, changes accepted so far included.
-
-    Raises
-    ------
-    UserError
-        If the folder holds another one (the difference is named) or something else, or cannot be
-        written, or is just being written.
     """
     with write_errors(path):
         path.mkdir(parents=True, exist_ok=True)
@@ -224,14 +220,11 @@ def _is_empty(entry: Path) -> bool:
 def archive(path: Path, kind: str) -> Path | None:
     """Rename a folder that holds a run, study or training, so that its place is free.
 
+    Raises `UserError` if another process is writing it, or it cannot be renamed.
+
     Returns
     -------
     Its new name; None if there was none
-
-    Raises
-    ------
-    UserError
-        If another process is writing it, or it cannot be renamed.
     """
     if not (path / f"{kind}.json").is_file():
         return None

@@ -168,10 +168,7 @@ class _ScenarioFacts:
 def read_json(path: Path) -> dict[str, Any]:
     """Read a JSON object.
 
-    Raises
-    ------
-    UserError
-        If the file is missing, not readable, truncated or not an object.
+    Raises `UserError` if the file is missing, not readable, truncated or not an object.
     """
     check_length(path, REMEDY)
     try:
@@ -188,11 +185,8 @@ def read_json(path: Path) -> dict[str, Any]:
 def load_run(path: Path) -> RunInfo:
     """Read `run.json`.
 
-    Raises
-    ------
-    UserError
-        If the file or one of its keys is missing or malformed, a name in it could be a path, or a
-        link is in its folder.
+    Raises `UserError` if the file or one of its keys is missing or malformed, a name in it could be
+    a path, or a link is in its folder.
     """
     where = str(path)
     check_files(path)

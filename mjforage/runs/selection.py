@@ -21,10 +21,7 @@ _HOW = f"give episodes' numbers, or {', '.join(RANKS)}"
 def parse_selection(text: str) -> tuple[str | int, ...]:
     """Read a list such as `0,3,worst`; `none` is an empty one.
 
-    Raises
-    ------
-    UserError
-        Naming the word that is neither a number nor a rank.
+    Raises `UserError`, naming the word that is neither a number nor a rank.
     """
     words = [word.strip() for word in text.split(",")]
     if words == ["none"]:
@@ -38,10 +35,7 @@ def parse_selection(text: str) -> tuple[str | int, ...]:
 def check_selection(selection: Iterable[str | int], episodes: int) -> tuple[str | int, ...]:
     """The selection without duplicates; the run must have these episodes.
 
-    Raises
-    ------
-    UserError
-        If it has not.
+    Raises `UserError` if it has not.
     """
     found = tuple(dict.fromkeys(selection))
     for one in found:

@@ -77,6 +77,9 @@ class RunFolder:
     def open(self, info: Mapping[str, Any], accept: bool = False) -> dict[str, Any]:
         """Create the folder for a run, or check that it holds the same one.
 
+        Raises `UserError` if the folder holds another run (the difference is named) or something
+        else, or cannot be written.
+
         Parameters
         ----------
         info : content of `run.json`
@@ -85,12 +88,6 @@ class RunFolder:
         Returns
         -------
         The content that `run.json` is to have.
-
-        Raises
-        ------
-        UserError
-            If the folder holds another run (the difference is named) or something else, or cannot
-            be written.
         """
         info = open_folder(self.path, "run", info, IDENTITY, accept)
         for table in TABLES:
@@ -112,10 +109,7 @@ class RunFolder:
     def finished(self, name: str) -> pl.DataFrame | None:
         """A table's rows of all finished chunks; None if there are none.
 
-        Raises
-        ------
-        UserError
-            If a file is truncated or foreign.
+        Raises `UserError` if a file is truncated or foreign.
         """
         if self.complete:
             return self.table(name)
@@ -125,10 +119,7 @@ class RunFolder:
     def has(self, chunk: Chunk) -> bool:
         """True if a chunk is finished.
 
-        Raises
-        ------
-        UserError
-            If its files are truncated or foreign, or hold other episodes.
+        Raises `UserError` if its files are truncated or foreign, or hold other episodes.
         """
         folder = self._chunks / chunk.name
         if not folder.is_dir():
@@ -158,10 +149,7 @@ class RunFolder:
     def write(self, chunk: Chunk, frames: Mapping[str, pl.DataFrame], cost: Cost) -> None:
         """Store a finished chunk, whole or not at all.
 
-        Raises
-        ------
-        UserError
-            If it cannot be written.
+        Raises `UserError` if it cannot be written.
         """
         target = self._chunks / chunk.name
         with write_errors(target):
@@ -182,10 +170,7 @@ class RunFolder:
     def costs(self, chunks: list[Chunk]) -> list[Cost]:
         """Computing time of each of the chunks.
 
-        Raises
-        ------
-        UserError
-            If that is missing or malformed.
+        Raises `UserError` if that is missing or malformed.
         """
         found = []
         for chunk in chunks:
@@ -202,10 +187,7 @@ class RunFolder:
     def merge(self, chunks: list[Chunk]) -> None:
         """Join the chunks' tables in order and write them beside `run.json`.
 
-        Raises
-        ------
-        UserError
-            If a table cannot be written.
+        Raises `UserError` if a table cannot be written.
         """
         for table in TABLES:
             sources = [self._chunks / chunk.name / f"{table}.parquet" for chunk in chunks]
@@ -224,23 +206,15 @@ class RunFolder:
             self._chunks.rmdir()
 
     def table(self, name: str) -> pl.DataFrame:
-        """A merged table.
-
-        Raises
-        ------
-        UserError
-            If it is missing, truncated or foreign.
-        """
+        """A merged table; raises `UserError` if it is missing, truncated or foreign."""
         path = self.path / f"{name}.parquet"
         return read_table(path, name, self._moved(path) if path.exists() else AGAIN)
 
     def episodes(self, chunks: list[Chunk]) -> pl.DataFrame:
         """The merged table of episodes.
 
-        Raises
-        ------
-        UserError
-            If it is missing, truncated or foreign, or does not hold the episodes of the chunks.
+        Raises `UserError` if it is missing, truncated or foreign, or does not hold the episodes of
+        the chunks.
         """
         path, table = self.path / "episodes.parquet", self.table("episodes")
         keys = [key for chunk in chunks for key in chunk.keys]

@@ -184,16 +184,13 @@ def frames(
 def check_table(path: Path, table: str, remedy: str = "") -> None:
     """Check that a file is a table of this package, by its schema.
 
+    Raises `UserError` if the file is missing, truncated, not Parquet or has other columns.
+
     Parameters
     ----------
     path : Parquet file
     table : one of `TABLES`
     remedy : last words of the message; to move the file away and compute it again if empty
-
-    Raises
-    ------
-    UserError
-        If the file is missing, truncated, not Parquet or has other columns.
     """
     schema = read_schema(path, remedy)
     wrong = {name for name, kind in SCHEMAS[table].items() if schema.get(name) != kind}
@@ -210,10 +207,7 @@ def check_table(path: Path, table: str, remedy: str = "") -> None:
 def read_table(path: Path, table: str, remedy: str = "") -> pl.DataFrame:
     """Check and read a table; parameters as for `check_table`.
 
-    Raises
-    ------
-    UserError
-        As `check_table`, and if the file is damaged inside.
+    Raises `UserError` as `check_table`, and if the file is damaged inside.
     """
     check_table(path, table, remedy)
     return read_parquet(path, remedy=remedy)

@@ -46,11 +46,8 @@ class Workers:
     def invocation(self, policies: Iterable[str], metrics: Iterable[str] = ()) -> Invocation:
         """Check that they can compute these policies and metrics, before anything is written.
 
-        Raises
-        ------
-        UserError
-            If dask is missing, the scheduler cannot be reached or has no workers, or they lack the
-            weights or cannot import a policy or metric.
+        Raises `UserError` if dask is missing, the scheduler cannot be reached or has no workers, or
+        they lack the weights or cannot import a policy or metric.
         """
         started, count, how = datetime.now(UTC).isoformat(), self.jobs, "processes"
         if self.elsewhere:

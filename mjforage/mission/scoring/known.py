@@ -31,10 +31,7 @@ _TAKEN = frozenset({"world", "policy", "episode", "items", "step"})  # columns o
 def metric(made: _M) -> _M:
     """Decorator that makes a metric known to every command, by its key.
 
-    Raises
-    ------
-    ValueError
-        If its key is taken.
+    Raises `ValueError` if its key is taken.
     """
     METRICS.register(made.key)(made)
     return made
@@ -43,14 +40,11 @@ def metric(made: _M) -> _M:
 def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Metric], ...]:
     """Our metrics and those referred to, in a fixed order.
 
+    Raises `UserError` if one cannot be imported, is no metric, or two have one key.
+
     Parameters
     ----------
     references : keys, names of entry points, `package.module:Name`, or places of another process
-
-    Raises
-    ------
-    UserError
-        If one cannot be imported, is no metric, or two have one key.
     """
     found: dict[str, type[Metric]] = {}
     ours = [name for name in METRICS.ours() if not METRICS.find(name).on_request]
@@ -71,10 +65,7 @@ def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Me
 def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[str | ImportSpec, ...]:
     """Keys or import paths, by which other processes take the same metrics.
 
-    Raises
-    ------
-    UserError
-        If one is of the script itself, which another process cannot import.
+    Raises `UserError` if one is of the script itself, which another process cannot import.
     """
     return tuple(
         one.key if is_ours(one) else METRICS.import_spec(one.key, one)
@@ -86,10 +77,7 @@ def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[str | ImportSpec, 
 def checked(made: object, name: str) -> type[Metric]:
     """The class, if it is a metric with all that one must define; `UserError` if not.
 
-    Raises
-    ------
-    UserError
-        If it is none, or an attribute is missing or not what it should be.
+    Raises `UserError` if it is none, or an attribute is missing or not what it should be.
     """
     if not isinstance(made, type) or not issubclass(made, Metric):
         raise UserError(f"metric {name}: is no class derived from Metric; derive it")
@@ -121,10 +109,7 @@ def checked(made: object, name: str) -> type[Metric]:
 def series_metrics(metrics: Sequence[type[Metric]]) -> dict[str, type[Metric]]:
     """series_key -> metric, of those that have a time series.
 
-    Raises
-    ------
-    UserError
-        If two have one series_key.
+    Raises `UserError` if two have one series_key.
     """
     found: dict[str, type[Metric]] = {}
     for one in metrics:

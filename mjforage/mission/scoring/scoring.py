@@ -40,14 +40,11 @@ class Scorer(Observer):
     def __init__(self, mission: Mission, metrics: Sequence[type[Metric]] | None = None) -> None:
         """Prepare.
 
+        Raises `UserError` as `chosen_metrics`.
+
         Parameters
         ----------
         metrics : as of `chosen_metrics`; absent: ours
-
-        Raises
-        ------
-        UserError
-            As `chosen_metrics`.
         """
         self.log = EpisodeLog(mission)
         self.metrics = chosen_metrics() if metrics is None else tuple(metrics)
@@ -73,13 +70,7 @@ class Scorer(Observer):
         self._live = {key: one() for key, one in live.items() if one.is_defined(mission)}
 
     def scores(self) -> Scores:
-        """The metrics of the finished batch.
-
-        Raises
-        ------
-        UserError
-            As `score`.
-        """
+        """The metrics of the finished batch; raises `UserError` as `score`."""
         horizon = self._setup.scenario.horizon
         ends = np.arange(self.log.length.size), self.log.length
         over = np.arange(horizon + 1) > self.log.length[:, None]
@@ -90,10 +81,7 @@ class Scorer(Observer):
 def score(batch: Batch, metrics: Sequence[type[Metric]]) -> Scores:
     """Metrics of a batch that is over.
 
-    Raises
-    ------
-    UserError
-        If a metric gives an array of another shape, or an infinite number.
+    Raises `UserError` if a metric gives an array of another shape, or an infinite number.
     """
     episodes = batch.log.length.size
     return Scores(

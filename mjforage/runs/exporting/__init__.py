@@ -28,11 +28,8 @@ FORMATS: Mapping[str, Callable[[Setup, Recording], dict[str, bytes]]] = {
 def write_export(setup: Setup, shown: Callable[[], Recording], folder: Path, to: str) -> Path:
     """Write an episode into a folder that is empty or not there yet; before it is played, check.
 
-    Raises
-    ------
-    UserError
-        If there is no such format, the folder holds something, the scenario does not fit the
-        format, or a file cannot be written.
+    Raises `UserError` if there is no such format, the folder holds something, the scenario does not
+    fit the format, or a file cannot be written.
     """
     if to not in FORMATS:
         raise UserError(f"format {to}: unknown; {nearest(to, FORMATS)}")

@@ -53,10 +53,7 @@ def item_rows(tracks: Tracks) -> pl.DataFrame:
 def geojson_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
     """`episode.geojson`: a line with times per vessel and per item (RFC 7946).
 
-    Raises
-    ------
-    UserError
-        If the map is no place.
+    Raises `UserError` if the map is no place.
     """
     tracks = Tracks(setup, recording)
     place, vessels = tracks.globe("geojson"), tracks.vessels
@@ -97,10 +94,7 @@ def _line(
 def gpx_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
     """`episode.gpx`: a route of waypoints and a track per vessel (GPX 1.1).
 
-    Raises
-    ------
-    UserError
-        If the map is no place.
+    Raises `UserError` if the map is no place.
     """
     tracks = Tracks(setup, recording)
     tracks.globe("gpx")
@@ -134,10 +128,7 @@ def _point(parent: ElementTree.Element, kind: str, latlon: NDArray[np.float64]) 
 def qgc_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
     """A mission file per vessel, `NAME.waypoints` (QGC WPL 110, as ArduPilot loads it).
 
-    Raises
-    ------
-    UserError
-        If the map is no place.
+    Raises `UserError` if the map is no place.
     """
     tracks = Tracks(setup, recording)
     tracks.globe("qgc")

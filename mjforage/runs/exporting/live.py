@@ -19,18 +19,14 @@ def stream(
 ) -> None:
     """Serve an episode once, from when the first viewer has subscribed to a topic.
 
-    The messages are those of the bag (`ros.messages`), at the times of their headers.
+    The messages are those of the bag (`ros.messages`), at the times of their headers. Raises
+    `UserError` if the port is taken, or a library is missing.
 
     Parameters
     ----------
     port : TCP port; 0 for any that is free
     speed : simulated seconds per second
     ready : called with the address for the viewer
-
-    Raises
-    ------
-    UserError
-        If the port is taken, or a library is missing.
     """
     require("a live stream", "foxglove", "mcap", "mcap_ros2")
     import foxglove

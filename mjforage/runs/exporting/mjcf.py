@@ -22,10 +22,8 @@ from mjforage.scenario.debris import load_debris
 def mjcf_files(setup: Setup, recording: Recording) -> dict[str, bytes]:
     """`scene.xml` with a keyframe per decision, `tracks.csv` with every frame, `README.md`.
 
-    Raises
-    ------
-    UserError
-        If a vessel cannot turn in the narrowest passage, or no body can have its parameters.
+    Raises `UserError` if a vessel cannot turn in the narrowest passage, or no body can have its
+    parameters.
     """
     vessels = fleet_vessels(setup.fleet, setup.scenario.physics)
     frames, spec = _positions(recording), _plain_scene(setup, recording, vessels)

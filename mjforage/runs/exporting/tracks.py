@@ -31,10 +31,7 @@ class Tracks:
     def globe(self, to: str) -> Place:
         """The place, for a format that has no positions but latitude and longitude.
 
-        Raises
-        ------
-        UserError
-            If the map is none.
+        Raises `UserError` if the map is none.
         """
         if self.place is None:
             raise UserError(

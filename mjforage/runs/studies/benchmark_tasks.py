@@ -38,10 +38,7 @@ class BenchmarkTask:
 def _parted(text: str) -> tuple[str, str, str]:
     """Scenario of a task, its world, and the world's suffix after a name.
 
-    Raises
-    ------
-    UserError
-        If there is no such world.
+    Raises `UserError` if there is no such world.
     """
     start, sign, world = text.rpartition("@")
     if not sign:
@@ -54,16 +51,13 @@ def _parted(text: str) -> tuple[str, str, str]:
 def task_of_scenario(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
     """A benchmark task of a scenario.
 
+    Raises `UserError` if the scenario or world is unknown or cannot be used.
+
     Parameters
     ----------
     text : SCENARIO or SCENARIO@WORLD: name of a preset or path of a TOML file, in the graph world
         unless another is named
     overrides : `KEY=VALUE`, as of `load_scenario`
-
-    Raises
-    ------
-    UserError
-        If the scenario or world is unknown or cannot be used.
     """
     reference, world, end = _parted(text)
     scenario = load_scenario(reference, overrides)
@@ -73,15 +67,12 @@ def task_of_scenario(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
 def task_on_map(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
     """A task by the rules of `RULES` on another map, with the starts beside it or random ones.
 
+    Raises `UserError` if the map or world is unknown or cannot be used.
+
     Parameters
     ----------
     text : MAP or MAP@WORLD: name, table, grid or image
     overrides : as of `task_of_scenario`
-
-    Raises
-    ------
-    UserError
-        If the map or world is unknown or cannot be used.
     """
     file, world, end = _parted(text)
     scenario = _without_starts(load_scenario(RULES, overrides, file))
@@ -101,10 +92,7 @@ def benchmark_tasks(
 ) -> tuple[BenchmarkTask, ...]:
     """Benchmark tasks of scenarios, the usual ones if none is named, then of maps.
 
-    Raises
-    ------
-    UserError
-        As `task_of_scenario` and `task_on_map`, or if two are the same.
+    Raises `UserError` as `task_of_scenario` and `task_on_map`, or if two are the same.
     """
     named = scenarios or USUAL
     found = [task_of_scenario(one, overrides) for one in named] + [

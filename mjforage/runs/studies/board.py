@@ -26,17 +26,14 @@ def board(
 ) -> Study:
     """The study in which policies play courses, each course a variant.
 
+    Raises `UserError` if a policy that was asked for cannot play a course, or none can.
+
     Parameters
     ----------
     courses : in their order
     policies : references; none: all that have a name. Of those, one that cannot play a course is
         left out of it, and the study says why
     episodes, seed, metrics : as of `Study`
-
-    Raises
-    ------
-    UserError
-        If a policy that was asked for cannot play a course, or none can.
     """
     check_numbers(episodes, seed)
     variants, left_out = [], []

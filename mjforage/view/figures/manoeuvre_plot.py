@@ -16,10 +16,7 @@ PICTURES = (".png", ".svg", ".pdf", ".jpg")
 def check_plot(path: Path) -> None:
     """Check before a run that its figure can be drawn into a file of that name.
 
-    Raises
-    ------
-    UserError
-        If no picture has that ending, or the file cannot be written.
+    Raises `UserError` if no picture has that ending, or the file cannot be written.
     """
     if path.suffix.lower() not in PICTURES:
         raise UserError(f"--plot {path}: unknown kind of picture; give {', '.join(PICTURES)}")

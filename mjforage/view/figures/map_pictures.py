@@ -64,15 +64,13 @@ def map_figure(grids: Sequence[GridMap], starts: Starts = ()) -> Figure:
 def save_map_picture(grids: Sequence[GridMap], path: Path) -> None:
     """Write the picture of maps; the suffix chooses the format (PNG, SVG, PDF).
 
+    Raises `UserError` if there are too many maps, the file cannot be written or its suffix is no
+    picture format.
+
     Parameters
     ----------
     grids : one map, or up to 100 for a sheet
     path : file to write; its folder must exist
-
-    Raises
-    ------
-    UserError
-        If there are too many maps, the file cannot be written or its suffix is no picture format.
     """
     if len(grids) > MOST:
         raise UserError(f"picture {path}: {len(grids)} maps; give at most {MOST} of them")

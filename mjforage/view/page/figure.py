@@ -199,15 +199,12 @@ def house_style() -> Iterator[None]:
 def save_figure(folder: Path, picture: ReportFigure) -> tuple[bytes, bytes]:
     """Write ``<name>.png`` (150 dpi) and ``<name>.svg`` into the folder.
 
+    Raises `UserError` if a file cannot be written.
+
     Returns
     -------
     tuple of bytes
         The PNG and the SVG, for embedding.
-
-    Raises
-    ------
-    UserError
-        If a file cannot be written.
     """
     with house_style():
         svg, png = svg_bytes(picture.figure), png_bytes(picture.figure)

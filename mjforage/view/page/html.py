@@ -41,12 +41,8 @@ def embedded_within(
     """Save figures in `figures` of a folder, and embed them: curves as SVG, maps as smaller PNG.
 
     Together they have `budget` characters at most if they can: the largest are embedded as PNG of
-    few colours instead, until they fit; the files stay whole.
-
-    Raises
-    ------
-    UserError
-        If a file cannot be written.
+    few colours instead, until they fit; the files stay whole. Raises `UserError` if a file cannot
+    be written.
     """
     saved = [save_figure(folder / "figures", picture) for picture in pictures]
     sources = [

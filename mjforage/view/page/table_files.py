@@ -17,14 +17,11 @@ MINUS = "−"
 def write_table(table: Table, folder: Path, formats: Sequence[str]) -> None:
     """Write a table as ``<folder>/<name>.csv|md|tex``.
 
+    Raises `UserError` if a file cannot be written.
+
     Parameters
     ----------
     formats : of `FORMATS`
-
-    Raises
-    ------
-    UserError
-        If a file cannot be written.
     """
     for one in formats:
         ending, text = FORMATS[one]

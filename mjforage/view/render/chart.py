@@ -58,10 +58,7 @@ class Chart:
     def picture(self, time: float) -> Image:
         """The state at `time` [step], 0 to the length of the episode.
 
-        Raises
-        ------
-        ValueError
-            If `time` lies outside the episode.
+        Raises `ValueError` if `time` lies outside the episode.
         """
         length = self._timeline.length
         if not 0.0 <= time <= length:

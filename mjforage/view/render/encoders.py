@@ -25,10 +25,7 @@ _DITHER = "diff_mode=rectangle:dither=bayer:bayer_scale=5"
 def write_mp4(frames: Frames, path: Path, fps: float) -> int:
     """Write frames, at least one, as an MP4; odd sizes are widened by one pixel.
 
-    Raises
-    ------
-    OSError, av.FFmpegError
-        If the file cannot be written.
+    Raises `OSError, av.FFmpegError` if the file cannot be written.
     """
     name, options = next(one for one in _MP4 if one[0] in av.codecs_available)
     with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
@@ -41,12 +38,8 @@ def write_gif(frames: Frames, path: Path, fps: float) -> int:
 
     The palette is known only after the last frame, so frames wait in a lossless film beside `path`.
     A pixel keeps its colour until red, green or blue is off by more than `STEADY`, for GIF stores
-    what changes: glittering water makes films tenfold.
-
-    Raises
-    ------
-    OSError, av.FFmpegError
-        If a file cannot be written.
+    what changes: glittering water makes films tenfold. Raises `OSError, av.FFmpegError` if a file
+    cannot be written.
     """
     film = path.with_name(f"{path.name}.mkv")
     try:

@@ -160,10 +160,7 @@ def shape_of(recording: Recording) -> float:
 def check_beside(first: Recording, second: Recording) -> None:
     """Check that two episodes can share a clock.
 
-    Raises
-    ------
-    UserError
-        If they are of the same policy, or of other items.
+    Raises `UserError` if they are of the same policy, or of other items.
     """
     if first.policy == second.policy:
         raise UserError(f"beside {second.policy}: is the film's own policy; name another one")

@@ -45,6 +45,10 @@ def render_recording(
 ) -> int:
     """Show an episode as an MP4, a GIF, one PNG or numbered PNGs.
 
+    Raises `UserError` if there is no such camera or vessel, a time lies outside the episode, a
+    number does not fit, the other episode is none of another policy, there is no OpenGL, or the
+    file cannot be written.
+
     Parameters
     ----------
     recording : Recording
@@ -77,13 +81,6 @@ def render_recording(
     -------
     int
         Number of frames written.
-
-    Raises
-    ------
-    UserError
-        If there is no such camera or vessel, a time lies outside the episode, a number does not
-        fit, the other episode is none of another policy, there is no OpenGL, or the file cannot be
-        written.
     """
     check_target(path, fps)
     name = _camera_of(recording, camera)
@@ -162,10 +159,7 @@ def frame_times(
 ) -> NDArray[np.float64]:
     """Return the times (frame,) [step] that a film shows, both ends included.
 
-    Raises
-    ------
-    UserError
-        If a time lies outside the episode, or `fps` or `speed` is not above 0.
+    Raises `UserError` if a time lies outside the episode, or `fps` or `speed` is not above 0.
     """
     length, period_s = len(recording.agent_rc) - 1, recording.period_s
     end_s = length * period_s

@@ -32,8 +32,8 @@ _NOTHING = Drawn(np.zeros((1, 1, 3), np.uint8), np.full((1, 1), np.inf, np.float
 class HarbourView:
     """Draws pictures (height, width, 3) uint8 of one recording through MuJoCo; close it after use.
 
-    Waves, rocking vessels and bobbing items are drawn so that films look like water; the
-    simulation is planar and has none of them.
+    Waves, rocking vessels and bobbing items are drawn so that films look like water; the simulation
+    is planar and has none of them. Raises `UserError` if there is no such vessel, or no OpenGL.
 
     Parameters
     ----------
@@ -50,11 +50,6 @@ class HarbourView:
     Attributes
     ----------
     followed : agent that the camera follows, or None
-
-    Raises
-    ------
-    UserError
-        If there is no such vessel, or no OpenGL.
     """
 
     def __init__(
@@ -108,10 +103,7 @@ class HarbourView:
     def picture(self, time: float) -> Image:
         """Draw the state at `time` [step], 0 to the length of the episode.
 
-        Raises
-        ------
-        ValueError
-            If `time` lies outside the episode.
+        Raises `ValueError` if `time` lies outside the episode.
         """
         if not 0.0 <= time <= self._timeline.length:
             raise ValueError(f"time {time} lies outside the episode")
@@ -192,10 +184,7 @@ class HarbourView:
 def followed_agent(recording: Recording, camera: str, follow: str | None) -> int:
     """Number of the vessel that a camera belongs to.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel, or the camera follows none.
+    Raises `UserError` if there is no such vessel, or the camera follows none.
     """
     if follow is None:
         wanted = recording.agent_collects if camera == "chase" else ~recording.agent_collects

@@ -25,10 +25,7 @@ REMEDY = (
 def choose_backend() -> str:
     """Name of the library to draw with: the user's MUJOCO_GL, else EGL.
 
-    Raises
-    ------
-    UserError
-        If the user's choice draws only into windows.
+    Raises `UserError` if the user's choice draws only into windows.
     """
     asked = os.environ.get(VARIABLE, "").lower().strip()
     if asked in (EGL, OSMESA):
@@ -46,12 +43,8 @@ class Canvas:
     def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
         """Open a canvas for one model.
 
-        Raises
-        ------
-        UserError
-            If there is no OpenGL here.
-        RuntimeError
-            If another canvas of this process is open.
+        Raises `UserError` if there is no OpenGL here; `RuntimeError` if another canvas of this
+        process is open.
         """
         if Canvas._open is not None:
             raise RuntimeError("another canvas is open in this process; close it first")

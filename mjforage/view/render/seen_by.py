@@ -14,10 +14,7 @@ EVERYBODY = "all"
 def seen_by(recording: Recording, name: str) -> Recording:
     """The episode with belief, idleness and views as a vessel knows them; `all`: as it is.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel, or no link, so that all know the same.
+    Raises `UserError` if there is no such vessel, or no link, so that all know the same.
     """
     names = recording.labels
     if name != EVERYBODY and name not in names:

@@ -25,15 +25,9 @@ def write_video(frames: Frames, path: Path, fps: float) -> int:
     """Write frames in the format of the suffix of `path`, and return their number.
 
     A folder, or a name with a number pattern such as ``frames-%04d.png``, takes one PNG per frame,
-    counted from 0. A file appears under its name only once it is complete; an older one stays
-    until then. Odd sizes are widened by one pixel for MP4.
-
-    Raises
-    ------
-    UserError
-        If the name is of no known kind, `fps` does not fit, or the file cannot be written.
-    ValueError
-        If there are no frames.
+    counted from 0. A file appears under its name only once it is complete; an older one stays until
+    then. Odd sizes are widened by one pixel for MP4. Raises `UserError` if the name is of no known
+    kind, `fps` does not fit, or the file cannot be written; `ValueError` if there are no frames.
     """
     write = check_target(path, fps)
     count = write(_counted(frames), path, fps)
@@ -45,10 +39,7 @@ def write_video(frames: Frames, path: Path, fps: float) -> int:
 def check_target(path: Path, fps: float) -> Writer:
     """Return the writer for `path`; call it before a long job to fail early.
 
-    Raises
-    ------
-    UserError
-        As `write_video`.
+    Raises `UserError` as `write_video`.
     """
     if not (np.isfinite(fps) and 0.0 < fps <= 1000.0):
         raise UserError(f"fps {fps:g}: must be over 0 and at most 1000, for example 30")

@@ -27,7 +27,9 @@ def write_report(
     """Write ``figures/*.png|svg``, ``tables/*.csv`` and ``report.html`` into a run folder.
 
     Nothing is re-simulated, and the same logs give the same bytes. Of a run too large for one page
-    it shows a part, see `shown`; the tables of metrics in ``tables`` have all policies.
+    it shows a part, see `shown`; the tables of metrics in ``tables`` have all policies. Raises
+    `UserError` if a log is missing, truncated, foreign or incomplete, the folder cannot be written,
+    or there is no such policy.
 
     Parameters
     ----------
@@ -38,12 +40,6 @@ def write_report(
     -------
     Path
         The report.
-
-    Raises
-    ------
-    UserError
-        If a log is missing, truncated, foreign or incomplete, the folder cannot be written, or
-        there is no such policy.
     """
     logs = load_logs(folder)
     shown = only(logs, shown_policies(logs, policies))

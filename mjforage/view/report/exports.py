@@ -40,10 +40,7 @@ class Exports:
     def of(cls, tables: Sequence[str], figures: Sequence[str]) -> "Exports":
         """Formats that a user names, of tables and of figures.
 
-        Raises
-        ------
-        UserError
-            If a format is not one of ours.
+        Raises `UserError` if a format is not one of ours.
         """
         return cls(_chosen("tables", tables, FORMATS), _chosen("figures", figures, FIGURES))
 
@@ -67,15 +64,12 @@ def write_page(
 ) -> Path:
     """Write ``report.html``, tables into ``tables``, always as CSV, and figures into ``figures``.
 
+    Raises `UserError` if a file cannot be written.
+
     Parameters
     ----------
     logs : run whose recorded episodes the page plays
     more : tables that are written as files only, instead of the page's of the same names
-
-    Raises
-    ------
-    UserError
-        If a file cannot be written.
     """
     text = page.text(folder, logs)
     for table in (*page.tables, *more):

@@ -249,10 +249,7 @@ def _entry(value: Mapping[str, Any]) -> Summary:
 def parse_summary(data: Mapping[str, Any], where: str = "summary") -> Summaries:
     """Convert the nested dict of `summary.json`, where null is undefined.
 
-    Raises
-    ------
-    UserError
-        If an entry lacks a key or holds something that is not a number or null.
+    Raises `UserError` if an entry lacks a key or holds something that is not a number or null.
     """
     try:
         return {
@@ -269,10 +266,7 @@ def parse_summary(data: Mapping[str, Any], where: str = "summary") -> Summaries:
 def load_episodes(folder: Path, run: RunInfo) -> pl.DataFrame:
     """Load the scalar metrics of every episode; undefined ones are null.
 
-    Raises
-    ------
-    UserError
-        If the table is missing, truncated, foreign or incomplete.
+    Raises `UserError` if the table is missing, truncated, foreign or incomplete.
     """
     path = folder / "episodes.parquet"
     known = dict.fromkeys((*KEYS, "items", *read_schema(path, REMEDY)))
@@ -285,11 +279,8 @@ def load_episodes(folder: Path, run: RunInfo) -> pl.DataFrame:
 def load_logs(folder: Path) -> RunLogs:
     """Load a run folder.
 
-    Raises
-    ------
-    UserError
-        If the folder or a file of it is missing, truncated, foreign or does not agree with
-        `run.json`.
+    Raises `UserError` if the folder or a file of it is missing, truncated, foreign or does not
+    agree with `run.json`.
     """
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; name one that evaluate, compare or study wrote")
@@ -308,12 +299,7 @@ def load_logs(folder: Path) -> RunLogs:
 def pick_replay(logs: RunLogs) -> Recording | None:
     """Load the replay of the scenario figure: first world and policy, lowest episode.
 
-    None if the run keeps none.
-
-    Raises
-    ------
-    UserError
-        If the chosen one cannot be read.
+    None if the run keeps none. Raises `UserError` if the chosen one cannot be read.
     """
     for case in logs.cases:
         for path in recording_files(logs.folder, case.world, case.policy).values():

@@ -26,10 +26,7 @@ def drawn_steps(horizon: int) -> NDArray[np.int64]:
 def metrics_in(path: Path) -> tuple[str, ...]:
     """Columns of metrics of a table of steps, and of speeds of wind and current, in its order.
 
-    Raises
-    ------
-    UserError
-        If the file is missing or truncated, lacks a column, or has one of words.
+    Raises `UserError` if the file is missing or truncated, lacks a column, or has one of words.
     """
     numbers(path, scan_parquet(path, (*KEYS, "step"), REMEDY))
     numbers(path, scan_parquet(path, None, REMEDY))
@@ -40,10 +37,7 @@ def metrics_in(path: Path) -> tuple[str, ...]:
 def numbers(path: Path, frame: pl.LazyFrame) -> pl.LazyFrame:
     """All columns but the keys as float64, with null for undefined.
 
-    Raises
-    ------
-    UserError
-        If one is of words.
+    Raises `UserError` if one is of words.
     """
     schema = frame.collect_schema()
     columns = [name for name in schema if name not in KEYS]
@@ -58,12 +52,7 @@ def read_means(path: Path, run: RunInfo) -> pl.DataFrame:
 
     Of every metric a column with the mean of the episodes where it is defined, one with their
     standard deviation (`STD`) and one with their number (`COUNT`). The rows of one world and policy
-    are held at once.
-
-    Raises
-    ------
-    UserError
-        As `metrics_in`, and if the file is damaged inside.
+    are held at once. Raises `UserError` as `metrics_in`, and if the file is damaged inside.
     """
     keys, frame = metrics_in(path), numbers(path, scan_parquet(path, None, REMEDY))
     drawn = pl.col("step").is_in(drawn_steps(run.horizon).astype(np.float64))

@@ -170,17 +170,14 @@ def terminal_table(
 ) -> RichTable:
     """Headline numbers of a `summary.json` for the terminal, mean and 95 % interval below it.
 
+    Raises `UserError` if an entry lacks a key or holds something that is not a number.
+
     Parameters
     ----------
     summary
         {world: {policy: {metric: {"mean", "sem", "ci95", "iqm", "worst5", "n"}}}}
     bounds, told
         as of `RunInfo`
-
-    Raises
-    ------
-    UserError
-        If an entry lacks a key or holds something that is not a number.
     """
     parsed = parse_summary(summary)
     cases = [(world, policy) for world in parsed for policy in style.ordered(parsed[world])]

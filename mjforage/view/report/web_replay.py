@@ -64,10 +64,7 @@ class _File:
     def entry(self, limit: int) -> dict[str, Any]:
         """Its data in so many characters if it can; read anew, as all are many.
 
-        Raises
-        ------
-        UserError
-            If the recording is not of the run.
+        Raises `UserError` if the recording is not of the run.
         """
         recording, case, run = Recording.load(self.path), self.case, self.case.logs.run
         found = recording.world, recording.policy, recording.episode
@@ -103,15 +100,12 @@ def _facts(run: RunInfo, first: Path) -> dict[str, Any]:
 def web_replay(logs: RunLogs, budget: int = BUDGET) -> WebReplay | None:
     """Gather the recorded episodes of a run; None if there are none, or none has room.
 
+    Raises `UserError` if a file cannot be read, or a recording is of another run.
+
     Parameters
     ----------
     budget : characters of text for all episodes together; they are thinned in time to fit, and what
         does not fit even so is left out, the first episodes last
-
-    Raises
-    ------
-    UserError
-        If a file cannot be read, or a recording is of another run.
     """
     files = [
         _File(case, episode, path)

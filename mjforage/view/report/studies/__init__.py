@@ -64,12 +64,8 @@ def numbered(section: Section) -> Section:
 def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
     """Write ``figures/*.png|svg``, ``report.html`` and optional files into a study folder.
 
-    Nothing is simulated, and the same logs give the same bytes.
-
-    Raises
-    ------
-    UserError
-        If a log is missing, truncated, foreign or incomplete, or the folder cannot be written.
+    Nothing is simulated, and the same logs give the same bytes. Raises `UserError` if a log is
+    missing, truncated, foreign or incomplete, or the folder cannot be written.
     """
     logs = load_study(folder)
     if logs.info.kind not in PAGES:

@@ -23,10 +23,7 @@ ENOUGH = 100  # episodes of a board that is meant to be read
 def write_board_page(folder: Path, page: Path) -> Path:
     """Write the Markdown page of the board in a folder, and its figures as PNG beside it.
 
-    Raises
-    ------
-    UserError
-        If the folder holds no finished board, or a file cannot be written.
+    Raises `UserError` if the folder holds no finished board, or a file cannot be written.
     """
     logs = load_study(folder)
     if logs.info.kind != "board":

@@ -83,10 +83,8 @@ def ordered_policies(logs: StudyLogs) -> tuple[str, ...]:
 def load_study(folder: Path) -> StudyLogs:
     """Load a study folder.
 
-    Raises
-    ------
-    UserError
-        If a file of the study or of one of its runs is missing, truncated or foreign.
+    Raises `UserError` if a file of the study or of one of its runs is missing, truncated or
+    foreign.
     """
     file = folder / "study.json"
     info = load_study_info(file)
