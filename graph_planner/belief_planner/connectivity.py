@@ -123,9 +123,7 @@ class Connectivity:
         It minimises the sum of the squared distances by which the others, at their last known
         places, are beyond its reach.
 
-        Parameters
-        ----------
-        ways : of the relay
+        `ways`: of the relay.
         """
         owner, rows, cols = int(seen.owner[e]), self._graph.rows, self._graph.cols
         if not (self._relay and self._relays[owner] and self.reach > 0.0):

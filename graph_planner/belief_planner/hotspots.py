@@ -292,9 +292,7 @@ def expect(
 ) -> None:
     """Update the posterior and fill expected (node,): unseen items in every node now.
 
-    Parameters
-    ----------
-    nodes : (hypothesis, node) where an item of each start is now
+    `nodes`: (hypothesis, node) where an item of each start is now.
     """
     share, unseen, many = spots.share[e], spots.unseen[e], believed(spots, e)
     rate = spots.rate * many / spots.assumed

@@ -78,9 +78,7 @@ def look_at(
 ) -> None:
     """Take in a view, and fill `factor`: what is new in it counts.
 
-    Parameters
-    ----------
-    last_seen : (node,) `step` where the node was in view
+    `last_seen`: (node,) `step` where the node was in view.
     """
     factor, near = missed_detections.factor, missed_detections.near
     if near.shape[1] == 0:

@@ -44,9 +44,7 @@ class Sight(NamedTuple):
 def lateness(discount: float) -> NDArray[np.float64]:
     """(decision,) cost of seeing a mass of 1 in each decision, 0 to `LONGEST`.
 
-    Parameters
-    ----------
-    discount : weight of a decision over that of the one before; 1: the cost is the decision
+    `discount`: weight of a decision over that of the one before; 1: the cost is the decision.
     """
     weights = [discount**decision for decision in range(int(LONGEST))]
     return np.concatenate([np.zeros(1), np.cumsum(weights)])

@@ -202,9 +202,7 @@ def expect(store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: 
 def learn(store: Store, seen: Observation, e: int, nodes: Int32Array) -> None:
     """All of that, for a row without delayed scans.
 
-    Parameters
-    ----------
-    nodes : (hypothesis, node) where an item of each start is now
+    `nodes`: (hypothesis, node) where an item of each start is now.
     """
     foragers_at = begin(store, seen, e)
     expect(store, seen, e, nodes, settle(store, seen, e, foragers_at))

@@ -113,9 +113,7 @@ def seen_from(
 ) -> float:
     """Gain of the fleet if a scan from a node comes when a view has some worth.
 
-    Parameters
-    ----------
-    keep : True if the simulation sees it by that, else it only asks
+    `keep`: True if the simulation sees it by that, else it only asks.
     """
     start, cells, landmark, mass = cover.start, cover.cells, cover.landmark, scouts.mass
     mine, others, earliest, rest = sights.mine, sights.others, sights.worth, sights.rest

@@ -176,12 +176,7 @@ def simulate_tour(
     now: int,
     state: UInt64Array,
 ) -> None:
-    """One simulation: down the tree, one node more, and on by a rollout.
-
-    Parameters
-    ----------
-    now : its number
-    """
+    """One simulation: down the tree, one node more, and on by a rollout; `now`: its number."""
     longest = min(effort.depth, legs.weight.size)
     path, plan = np.zeros(longest + 1, np.int64), np.empty(longest, np.int32)
     visited, passed, n, inside = np.zeros(legs.weight.size, np.bool_), 1, 0, True

@@ -111,9 +111,7 @@ def back_up(
 ) -> None:
     """Back up the result of a simulation to its nodes (node,).
 
-    Parameters
-    ----------
-    plan : (step,) the actions of the simulation, to its end
+    `plan`: (step,) the actions of the simulation, to its end.
     """
     tree.bounds[0], tree.bounds[1] = min(tree.bounds[0], utility), max(tree.bounds[1], utility)
     for node in path:

@@ -90,9 +90,7 @@ def describe_moves(
 ) -> None:
     """Fill the features (agent, 9, feature) of all agents' moves in row e.
 
-    Parameters
-    ----------
-    way : (node,) of `ItemWays`
+    `way`: (node,) of `ItemWays`.
     """
     belief, agent_node, collects = seen.belief[e], seen.agent_node[e], arrays.collects
     targets, number, energy = arrays.targets, arrays.stride_number, seen.energy_left[e]

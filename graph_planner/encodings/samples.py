@@ -158,9 +158,7 @@ def share_out(collects: NDArray[np.bool_], sample: Sample) -> None:
 
     Where no agent of a kind gets, `nearest` is -1.
 
-    Parameters
-    ----------
-    collects : (agent,) which of the two kinds each is of
+    `collects`: (agent,) which of the two kinds each is of.
     """
     far, nearest, size = sample.far, sample.nearest, sample.size[0]
     shortest = np.empty(MOST_SAMPLES, np.float32)

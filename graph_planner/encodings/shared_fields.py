@@ -209,9 +209,7 @@ def share_fields(
 ) -> int:
     """Fill the fields of row e, and its ways; the number of unseen nodes.
 
-    Parameters
-    ----------
-    global_map : (channel, COARSE^2) whose first four channels are filled
+    `global_map`: (channel, COARSE^2) whose first four channels are filled.
     """
     idle, levels, targets = fields.idle, fields.levels, fields.targets
     items, some_unseen, some_due = fields.some_items, fields.some_unseen, fields.some_due

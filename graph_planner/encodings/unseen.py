@@ -97,9 +97,7 @@ def nearest_is_itself(
 ) -> None:
     """Put 0 where a target (agent, 9) is unseen itself into distances to the nearest unseen node.
 
-    Parameters
-    ----------
-    out : (agent, 9) those to the nearest on the edge [node]
+    `out`: (agent, 9) those to the nearest on the edge [node].
     """
     for a in range(targets.shape[0]):
         for move in range(9):

@@ -67,9 +67,7 @@ class Players:
 
         Raises `UserError` if one is in no form that is known.
 
-        Parameters
-        ----------
-        policies : one policy, several in a list, or a dict of name -> policy
+        `policies`: one policy, several in a list, or a dict of name -> policy.
         """
         if isinstance(policies, Mapping):
             found = [_found(one, _checked(str(name))) for name, one in policies.items()]

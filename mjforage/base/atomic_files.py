@@ -38,9 +38,7 @@ _REMEDIES = {
 def remedy(error: BaseException, otherwise: str = "") -> str:
     """Remedy for an error of the system, by its number.
 
-    Parameters
-    ----------
-    otherwise : against one that is nothing special
+    `otherwise`: against one that is nothing special.
     """
     found = _NUMBER.search(str(error))  # as polars has it
     number = getattr(error, "errno", None) or (int(found[1]) if found else 0)
@@ -80,9 +78,7 @@ def atomic_write(path: Path, *others: type[Exception]) -> Iterator[Path]:
     If the block fails, nothing is left of it and an older file stays. Raises `UserError` if the
     file cannot be written.
 
-    Parameters
-    ----------
-    path, others : as for `write_errors`
+    `path`, `others`: as for `write_errors`.
     """
     with write_errors(path, *others):
         place = Path(os.path.realpath(path))  # a link stays one

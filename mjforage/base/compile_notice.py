@@ -18,9 +18,7 @@ def leave_unsaid() -> None:
 def say_compiling(folder: Path | None) -> None:
     """Say once that kernels are compiled: a line of the log, or a warning where nobody reads it.
 
-    Parameters
-    ----------
-    folder : where they are kept, if anywhere
+    `folder`: where they are kept, if anywhere.
     """
     if os.environ.get(SAID):
         return

@@ -18,10 +18,8 @@ Called = tuple[Any, ...]
 def content(dispatcher: Any) -> str:
     """Text on which a kernel's machine code depends, besides the types of its arguments.
 
-    Parameters
-    ----------
-    dispatcher : a function that numba compiles; as it is called for the first time, since what it
-        calls may stand below it in its file
+    `dispatcher`: a function that numba compiles; as it is called for the first time, since what it
+    calls may stand below it in its file.
     """
     found: dict[int, str] = {}
     left = [dispatcher]

@@ -85,9 +85,7 @@ def with_options(
 
     Raises `UserError` if no reference has that name, or one has that option with another value.
 
-    Returns
-    -------
-    The references, and the overrides of other things.
+    Returns: the references, and the overrides of other things.
     """
     found = [parse_reference(text, kind) for text in references]
     others = []
@@ -171,14 +169,9 @@ def bind(
     Raises `UserError` if an option is unknown, missing or, as its annotation tells, of the wrong
     type.
 
-    Parameters
-    ----------
-    given : arguments before the options, which it is called with whatever they say
-
-    Returns
-    -------
-    The reference as all spell it (options that are the default are left out, 2.0 is 2), and the
-    keyword arguments to call with.
+    `given`: arguments before the options, which it is called with whatever they say. Returns: the
+    reference as all spell it (options that are the default are left out, 2.0 is 2), and the keyword
+    arguments to call with.
     """
     signature: Mapping[str, inspect.Parameter]
     try:

@@ -15,9 +15,7 @@ def read_toml(path: Path, where: str) -> dict[str, Any]:
     Raises `UserError` if the file cannot be read, is too large, not UTF-8 or not TOML, or is nested
     too deeply.
 
-    Parameters
-    ----------
-    where : start of error messages
+    `where`: start of error messages.
     """
     if path.exists() and not path.is_file():
         raise UserError(f"{where}: is no file; give a TOML file")

@@ -57,9 +57,7 @@ def _nodes_of(water: Water, rc: NDArray[np.float64]) -> Int32Array:
 def item_places(item_node: Int32Array) -> NDArray[np.int64]:
     """(episode,) leading places that hold an item or did, of (episode, item): the rest is padding.
 
-    Parameters
-    ----------
-    item_node : at step 0, -1 for padding
+    `item_node`: at step 0, -1 for padding.
     """
     place = np.arange(1, item_node.shape[1] + 1)
     places: NDArray[np.int64] = np.where(item_node >= 0, place, 0).max(axis=1, initial=0)

@@ -126,9 +126,7 @@ def _drift(
     makes vectors of the first two, and whether an item on a quay leaves its square is a coin toss
     that no processor predicts.
 
-    Parameters
-    ----------
-    item_rc, centre : (episode, item x 2) row, column, row, ... of the items and of their nodes
+    `item_rc`, `centre`: (episode, item x 2) row, column, row, ... of the items and of their nodes.
     """
     keys, drift_rc, noise, corners = around.keys, around.drift_rc, around.noise, around.corners
     places, carried = around.places, around.carried
@@ -256,9 +254,7 @@ class ItemRule:
     def reset(self, initial: InitialState, keys: UInt64Array, state: Transition) -> None:
         """Start a batch of episodes.
 
-        Parameters
-        ----------
-        state : of the world at step 0; `advance` changes its items
+        `state`: of the world at step 0; `advance` changes its items.
         """
         if self._carrier is not None:
             self._carrier.reset(keys, initial.item_node)
@@ -274,10 +270,8 @@ class ItemRule:
     ) -> None:
         """Start other episodes in some rows (row,) of the batch.
 
-        Parameters
-        ----------
-        fresh, state : of these episodes (row, ...) at step 0, and of the whole batch with them;
-            `advance` changes the items of the latter
+        `fresh`, `state`: of these episodes (row, ...) at step 0, and of the whole batch with them;
+        `advance` changes the items of the latter.
         """
         if self._carrier is not None:
             self._carrier.restart(rows, keys, initial.item_node)

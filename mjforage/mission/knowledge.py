@@ -93,9 +93,7 @@ def believe(
 ) -> None:
     """Set an owner's belief about a node, and update its list of nodes with items.
 
-    Parameters
-    ----------
-    belief, known, known_at, n_known : of a `Knowledge`; changed in this row
+    `belief`, `known`, `known_at`, `n_known`: of a `Knowledge`; changed in this row.
     """
     before = belief[row, node]
     belief[row, node] = items

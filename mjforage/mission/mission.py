@@ -182,14 +182,12 @@ class Mission:
         So a batch goes on while some of its episodes are over, as vector environments ask. The
         state `initial` stays that of the first episodes.
 
+        Returns: their initial state.
+
         Parameters
         ----------
         rows : (row,) places in the batch
         keys, names : (row,) of these episodes, as of `start`
-
-        Returns
-        -------
-        Their initial state
         """
         initial = self.setup.create_initial_state(keys).padded(self._state.item_node.shape[1])
         names = names or _names(keys)
@@ -324,9 +322,7 @@ class Mission:
 
         Raises `UserError` if the preferences have the wrong shape, are no numbers or contain NaN.
 
-        Parameters
-        ----------
-        preferences : (episode, agent, 9), see `Resolver`
+        `preferences`: (episode, agent, 9), see `Resolver`.
         """
         self._moves = self.decide(preferences)
         self._begin_step(self.step + self.active)

@@ -197,9 +197,7 @@ def reachable_share(graph: NavigationGraph, start: int, moves: int, rules: MoveR
 
     Two-node moves alone keep the parity of row and column, so in open water they reach a quarter.
 
-    Parameters
-    ----------
-    moves : nodes per decision
+    `moves`: nodes per decision.
     """
     targets = all_targets(graph, np.array([moves]), rules)[1][0]
     node, move = np.nonzero(targets >= 0)
@@ -229,13 +227,8 @@ def _resolve(
 ) -> bool:
     """Let the agents of every episode choose one after the other; fill `moves`.
 
-    Parameters
-    ----------
-    claimed, first_token : (node,) see `free_move`; episode e marks what it takes by the e-th token
-
-    Returns
-    -------
-    Whether the preferences have no NaN; otherwise nothing is resolved.
+    `claimed`, `first_token`: (node,) see `free_move`; episode e marks what it takes by the e-th
+    token. Returns: whether the preferences have no NaN; otherwise nothing is resolved.
     """
     if _has_nan(ask.preferences):
         return False

@@ -34,12 +34,7 @@ class Plain:
     """Makes observations ready for the kernels of one policy, in every decision of a batch."""
 
     def __init__(self, task: Task, rows: int) -> None:
-        """Prepare.
-
-        Parameters
-        ----------
-        rows : for which the policy is made ready
-        """
+        """Prepare; `rows`: for which the policy is made ready."""
         self._task, self._rows = task, rows
         self._trusted: tuple[object, ...] = (None,)  # arrays that a mission reuses
 

@@ -41,9 +41,7 @@ def connected(scheduler: str) -> Iterator[Any]:
     Raises `UserError` if dask is missing, or the scheduler or its workers cannot be reached or are
     lost.
 
-    Parameters
-    ----------
-    scheduler : address, such as tcp://host:8786
+    `scheduler`: address, such as tcp://host:8786.
     """
     check_dask()
     with interrupts_held():
@@ -163,9 +161,7 @@ def check_code(asked: Iterable[tuple[str, str]], here: Mapping[str, str]) -> Non
 
     Raises `UserError`, naming the machine and the difference.
 
-    Parameters
-    ----------
-    asked, here : file or library -> hash or version
+    `asked`, `here`: file or library -> hash or version.
     """
     for name, there in asked:
         if here.get(name) != there:

@@ -74,9 +74,7 @@ class _TimedBound(_Timed):
 def timed(policy: Policy, timer: Timer, episodes: int) -> Policy:
     """The policy, whose decisions are timed.
 
-    Parameters
-    ----------
-    episodes : of its batch; a policy that decides for every owner has a row for each
+    `episodes`: of its batch; a policy that decides for every owner has a row for each.
     """
     kind = _TimedBound if isinstance(policy, UpperBound) else _Timed
     made = type(type(policy).__name__, (kind,), {})  # messages name the class

@@ -18,9 +18,7 @@ def check_files(file: Path) -> None:
 
     Raises `UserError` if a link, a pipe or a device is in the folder, at any depth.
 
-    Parameters
-    ----------
-    file : in the folder, that says what it holds; without it the folder is none of ours, and free
+    `file`: in the folder, that says what it holds; without it the folder is none of ours, and free.
     """
     places = [str(file.parent)] if os.path.lexists(file) else []
     while places:

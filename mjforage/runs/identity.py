@@ -188,9 +188,7 @@ def run_info(
 ) -> dict[str, Any]:
     """Content of `run.json` before the run: identity and provenance.
 
-    Parameters
-    ----------
-    metrics : references, as for `chosen_metrics`
+    `metrics`: references, as for `chosen_metrics`.
     """
     navigable = setup.grid.navigable
     metric_classes = chosen_metrics(metrics)

@@ -33,9 +33,7 @@ def interrupts_held() -> Iterator[None]:
 def stop_noted(words: str) -> Iterator[Callable[[], bool]]:
     """Context that notes the first Ctrl-C, or a scheduler's SIGTERM; the next stops at once.
 
-    Parameters
-    ----------
-    words : warning that is logged when it comes
+    `words`: warning that is logged when it comes.
 
     Yields
     ------

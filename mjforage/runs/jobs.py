@@ -216,10 +216,8 @@ def _received(objects: bytes) -> dict[str, Any]:
 def _done(job: Job, do: Callable[[Setup], None]) -> str | None:
     """Do a part of a job.
 
-    Returns
-    -------
-    None, or the message of the error that a user can mend (exceptions with a cause do not survive
-    the way between processes unharmed)
+    Returns: None, or the message of the error that a user can mend (exceptions with a cause do not
+    survive the way between processes unharmed).
     """
     try:
         if job.parent is not None and os.getpid() != job.parent:

@@ -76,9 +76,7 @@ def scan_parquet(
 
     Raises `UserError` as `read_schema`, and if a column is missing.
 
-    Parameters
-    ----------
-    path, columns, remedy : as for `read_parquet`
+    `path`, `columns`, `remedy`: as for `read_parquet`.
     """
     schema = read_schema(path, remedy)
     for name in columns or ():

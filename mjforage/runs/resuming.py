@@ -173,6 +173,8 @@ def open_folder(
     `UserError` if the folder holds another one (the difference is named) or something else, or
     cannot be written, or is just being written.
 
+    Returns: the content that the file is to have, changes accepted so far included.
+
     Parameters
     ----------
     path : the folder
@@ -180,10 +182,6 @@ def open_folder(
     info : content of the file
     identity : its keys that must be the same, unless nothing has been computed yet
     accept : go on although code or versions differ; the file then says so
-
-    Returns
-    -------
-    The content that the file is to have, changes accepted so far included.
     """
     with write_errors(path):
         path.mkdir(parents=True, exist_ok=True)
@@ -222,9 +220,7 @@ def archive(path: Path, kind: str) -> Path | None:
 
     Raises `UserError` if another process is writing it, or it cannot be renamed.
 
-    Returns
-    -------
-    Its new name; None if there was none
+    Returns: its new name; None if there was none.
     """
     if not (path / f"{kind}.json").is_file():
         return None

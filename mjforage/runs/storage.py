@@ -80,14 +80,12 @@ class RunFolder:
         Raises `UserError` if the folder holds another run (the difference is named) or something
         else, or cannot be written.
 
+        Returns: the content that `run.json` is to have.
+
         Parameters
         ----------
         info : content of `run.json`
         accept : go on although code or versions differ, see `open_folder`
-
-        Returns
-        -------
-        The content that `run.json` is to have.
         """
         info = open_folder(self.path, "run", info, IDENTITY, accept)
         for table in TABLES:

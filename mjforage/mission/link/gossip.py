@@ -150,9 +150,7 @@ def _span_of_scans(
 
     So that what all have had for long is not gone through in every decision.
 
-    Parameters
-    ----------
-    wanted : (agent, 2) the same of each agent's scans, filled in
+    `wanted`: (agent, 2) the same of each agent's scans, filled in.
     """
     first, last = _NEVER, -1
     for a in range(passes_on.size):
@@ -281,10 +279,7 @@ def pass_on(
 def arrivals(e: int, now: int, inbox: Inbox) -> int:
     """List in `inbox.received` the scans received now in an episode, by owner, step and agent.
 
-    Returns
-    -------
-    int
-        How many scans.
+    Returns: how many scans.
     """
     received_at, newest, arrived, received = (
         inbox.received_at,

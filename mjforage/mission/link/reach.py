@@ -15,9 +15,7 @@ def reach_m(link: Link, antenna_m: NDArray[np.float64]) -> float:
 
     By the mean power: shadowing is left out.
 
-    Parameters
-    ----------
-    antenna_m : (agent,) heights, of which the lowest two count
+    `antenna_m`: (agent,) heights, of which the lowest two count.
     """
     if link.model in ("ideal", "none"):
         return np.inf if link.model == "ideal" else 0.0

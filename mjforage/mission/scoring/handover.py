@@ -46,16 +46,14 @@ def first_received(
 ) -> NDArray[np.int64]:
     """First steps in which listeners receive a scan, made since an item's discovery, that shows it.
 
+    Returns: (episode, item) [step], -1 never.
+
     Parameters
     ----------
     listeners : (listener,) agents
     item_node : (episode, step, item) where each is, -1 nowhere
     t_discovered : (episode, item) [step], -1 never
     length : (episode,) last step
-
-    Returns
-    -------
-    (episode, item) [step], -1 never
     """
     received = np.full(t_discovered.shape, -1, np.int64)
     for e in range(length.size):

@@ -42,9 +42,7 @@ def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Me
 
     Raises `UserError` if one cannot be imported, is no metric, or two have one key.
 
-    Parameters
-    ----------
-    references : keys, names of entry points, `package.module:Name`, or places of another process
+    `references`: keys, names of entry points, `package.module:Name`, or places of another process.
     """
     found: dict[str, type[Metric]] = {}
     ours = [name for name in METRICS.ours() if not METRICS.find(name).on_request]

@@ -42,9 +42,7 @@ class Scorer(Observer):
 
         Raises `UserError` as `chosen_metrics`.
 
-        Parameters
-        ----------
-        metrics : as of `chosen_metrics`; absent: ours
+        `metrics`: as of `chosen_metrics`; absent: ours.
         """
         self.log = EpisodeLog(mission)
         self.metrics = chosen_metrics() if metrics is None else tuple(metrics)

@@ -90,8 +90,6 @@ def real_if_seen(real: float, chance: float, false_rate: float) -> float:
 def real_if_new(density: float, chance: float, false_rate: float) -> float:
     """Chance that a new sighting is an item: p D / (p D + f), 1 without false positives.
 
-    Parameters
-    ----------
-    density : D, unseen items expected there
+    `density`: D, unseen items expected there.
     """
     return chance * density / (chance * density + false_rate) if false_rate > 0.0 else 1.0

@@ -72,9 +72,7 @@ def axes_of(kind: str, table: str = "axes") -> tuple[Axis, ...]:
 def changed(value: Any, changes: Mapping[str, Any]) -> Any:
     """A scenario, or a table of one, with other values of some of its keys.
 
-    Parameters
-    ----------
-    changes : key -> value, or what to change in the table of that name
+    `changes`: key -> value, or what to change in the table of that name.
     """
     if isinstance(value, Mapping):
         return {**value, **{name: changed(value[name], keys) for name, keys in changes.items()}}

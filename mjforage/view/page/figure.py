@@ -201,10 +201,7 @@ def save_figure(folder: Path, picture: ReportFigure) -> tuple[bytes, bytes]:
 
     Raises `UserError` if a file cannot be written.
 
-    Returns
-    -------
-    tuple of bytes
-        The PNG and the SVG, for embedding.
+    Returns: the PNG and the SVG, for embedding.
     """
     with house_style():
         svg, png = svg_bytes(picture.figure), png_bytes(picture.figure)

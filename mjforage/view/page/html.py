@@ -98,9 +98,7 @@ def environment() -> jinja2.Environment:
 def security(scripts: Sequence[str]) -> str:
     """The Content-Security-Policy of a page: nothing from outside, and no script but these.
 
-    Parameters
-    ----------
-    scripts : content of the page's script elements, to the letter
+    `scripts`: content of the page's script elements, to the letter.
     """
     digests = [sha256(script.encode("utf-8")).digest() for script in scripts]
     allowed = " ".join(f"'sha256-{base64.b64encode(one).decode('ascii')}'" for one in digests)

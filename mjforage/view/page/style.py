@@ -161,10 +161,7 @@ def ordered(policies: Iterable[str]) -> tuple[str, ...]:
 def policy_styles(policies: Sequence[str]) -> dict[str, PolicyStyle]:
     """Give every policy a colour and a marker; unknown names share neither if avoidable.
 
-    Returns
-    -------
-    dict
-        Policy name to `PolicyStyle`, in the order of `ordered`.
+    Returns: policy name to `PolicyStyle`, in the order of `ordered`.
     """
     names, taken = ordered(policies), set[str]()
     shapes = dict(zip(POLICY_COLOURS, MARKERS, strict=True))

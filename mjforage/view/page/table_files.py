@@ -19,9 +19,7 @@ def write_table(table: Table, folder: Path, formats: Sequence[str]) -> None:
 
     Raises `UserError` if a file cannot be written.
 
-    Parameters
-    ----------
-    formats : of `FORMATS`
+    `formats`: of `FORMATS`.
     """
     for one in formats:
         ending, text = FORMATS[one]

@@ -49,6 +49,8 @@ def render_recording(
     number does not fit, the other episode is none of another policy, there is no OpenGL, or the
     file cannot be written.
 
+    Returns: number of frames written.
+
     Parameters
     ----------
     recording : Recording
@@ -76,11 +78,6 @@ def render_recording(
         the default scenario), for chase and scout one.
     progress : callable, optional
         Called as `progress(done, total)` after every frame.
-
-    Returns
-    -------
-    int
-        Number of frames written.
     """
     check_target(path, fps)
     name = _camera_of(recording, camera)
@@ -111,9 +108,7 @@ def render_frame(
 ) -> NDArray[np.uint8]:
     """One frame, (height, width, 3) red, green, blue; parameters and errors as `render_recording`.
 
-    Parameters
-    ----------
-    time_s : simulated time
+    `time_s`: simulated time.
     """
     name = _camera_of(recording, camera)
     speed = CAMERAS[name].steps_per_film_s * recording.period_s

@@ -40,9 +40,7 @@ _SEEN: dict[str, int] = {"contype": 0, "conaffinity": 0, "group": 1}
 def land_of(navigable: Bools, pitch_m: float, quays: Edges | None, finer: int) -> Bools:
     """(row, column) land of a map in cells `finer` times finer, by its outlines if it has some.
 
-    Parameters
-    ----------
-    quays : (edge, 4) of closed outlines, as of `Recording`: land is within an odd number of them
+    `quays`: (edge, 4) of closed outlines, as of `Recording`: land is within an odd number of them.
     """
     if quays is None:
         return (~navigable).repeat(finer, axis=0).repeat(finer, axis=1)

@@ -31,15 +31,12 @@ def write_report(
     `UserError` if a log is missing, truncated, foreign or incomplete, the folder cannot be written,
     or there is no such policy.
 
+    Returns: the report.
+
     Parameters
     ----------
     wanted : formats besides those
     policies : policies to show; none for all, or the best and the worst of very many
-
-    Returns
-    -------
-    Path
-        The report.
     """
     logs = load_logs(folder)
     shown = only(logs, shown_policies(logs, policies))

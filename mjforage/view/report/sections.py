@@ -69,9 +69,7 @@ class Page:
 
         Tables have fewer rows where they leave no room for figures, and say so.
 
-        Parameters
-        ----------
-        logs : run whose recorded episodes the page plays
+        `logs`: run whose recorded episodes the page plays.
         """
         rows = ROWS
         while (room := LARGEST - len(self._set(rows))) < FIGURES and rows > FEWEST_ROWS:

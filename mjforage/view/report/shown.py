@@ -21,9 +21,7 @@ def shown_policies(logs: RunLogs, wanted: Sequence[str] = ()) -> tuple[str, ...]
     All of a usual run; of more than `POLICIES`, or than fit into `PAIRS`, the best by the items
     removed in the end, mean over the worlds. Raises `UserError` if a wanted one is not of the run.
 
-    Parameters
-    ----------
-    wanted : policies that a user wants to see; none for all
+    `wanted`: policies that a user wants to see; none for all.
     """
     for policy in wanted:
         if policy not in logs.run.policies:

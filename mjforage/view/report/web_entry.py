@@ -25,9 +25,7 @@ ITEM_FRAME_S = 1.0  # items move slowly: no need for more frames than this
 def entry_of(recording: Recording, limit: int) -> dict[str, Any]:
     """One episode for the page: as fine in time as the limit allows.
 
-    Parameters
-    ----------
-    limit : characters of its text; it is thinned to no less than a frame for each decision
+    `limit`: characters of its text; it is thinned to no less than a frame for each decision.
     """
     stride = max(1, round(min(ITEM_FRAME_S, recording.period_s) / recording.frame_s))
     text = packed(_parts(recording, stride))

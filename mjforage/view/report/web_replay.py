@@ -102,10 +102,8 @@ def web_replay(logs: RunLogs, budget: int = BUDGET) -> WebReplay | None:
 
     Raises `UserError` if a file cannot be read, or a recording is of another run.
 
-    Parameters
-    ----------
-    budget : characters of text for all episodes together; they are thinned in time to fit, and what
-        does not fit even so is left out, the first episodes last
+    `budget`: characters of text for all episodes together; they are thinned in time to fit, and
+    what does not fit even so is left out, the first episodes last.
     """
     files = [
         _File(case, episode, path)

@@ -31,9 +31,7 @@ def tables_along(
 ) -> list[Table]:
     """Differences to the scenario as it is, then means: a pair of tables per policy and world.
 
-    Parameters
-    ----------
-    compared, shown : keys of metrics; those that no variant was played with are left out
+    `compared`, `shown`: keys of metrics; those that no variant was played with are left out.
     """
     tables, head = [], logs.title(COMPLETE)
     for policy in logs.policies:
