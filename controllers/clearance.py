@@ -74,10 +74,8 @@ def clearance_to(
     ahead, aside = math.copysign(0.5 * way, u), 0.25 * v
     dx += ahead * cj - aside * tj
     dy += ahead * tj + aside * cj
-    long, wide = (
-        0.5 * (models[other].length_m + way) + swing,
-        0.5 * models[other].beam_m + abs(aside) + swing,
-    )
+    long = 0.5 * (models[other].length_m + way) + swing
+    wide = 0.5 * models[other].beam_m + abs(aside) + swing
     gap = box_gap(dx, dy, c, t, half_length, half_beam, cj, tj, long, wide)
     return min(gap - joint_margin(state[i], state[other]), reach)
 

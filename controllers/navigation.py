@@ -204,10 +204,8 @@ def navigate(
             log[2] = velocity[e, v, 2]
             slot = f.ticks[e, v] % (of.latency + 1)
             s = state[e, v]
-            port, starboard = (
-                thrust_of(models[v], s.port, 0.0),
-                thrust_of(models[v], s.starboard, 0.0),
-            )
+            port = thrust_of(models[v], s.port, 0.0)
+            starboard = thrust_of(models[v], s.starboard, 0.0)
             f.thrust[e, v, slot, 0] = port * (1.0 - s.port_loss)
             f.thrust[e, v, slot, 1] = starboard * (1.0 - s.starboard_loss)
             f.surprise[e, v] = f.measured[e, v] = 0.0

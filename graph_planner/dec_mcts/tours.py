@@ -68,11 +68,8 @@ def sample_claims(
         ways = _ways_from(legs, g, NONE)
         for stop in plans.step[g, c, : plans.length[g, c] if c != NONE else 0]:
             clock += ways[stop]
-            ways, worth, amount = (
-                _ways_from(legs, g, stop),
-                np.exp(-pace * clock),
-                min(room, weight[stop]),
-            )
+            ways = _ways_from(legs, g, stop)
+            worth, amount = np.exp(-pace * clock), min(room, weight[stop])
             if worth > first[stop]:
                 first[stop], amounts[stop] = worth, amount
             room -= amount

@@ -98,12 +98,8 @@ def describe_moves(
     idle, unseen_way = fields.idle, fields.unseen_way
     items, unseen, due = fields.some_items, fields.some_unseen, fields.some_due
     n_items, n_unseen, n_due = items.size[0], unseen.size[0], due.size[0]
-    item_bits, item_nearest, due_bits, due_nearest = (
-        items.bits,
-        items.nearest,
-        due.bits,
-        due.nearest,
-    )
+    item_bits, item_nearest = items.bits, items.nearest
+    due_bits, due_nearest = due.bits, due.nearest
     item_far, item_total, unseen_total, due_total = items.far, items.total, unseen.total, due.total
     start, nodes, disc = chart.views.start, chart.views.nodes, chart.disc
     for a in range(agent_node.size):

@@ -93,12 +93,8 @@ def _measure_by_code(
     """`measure` with codes: all samples from one row of them after the other."""
     one, other = near
     nodes, far, total, size = one.nodes, one.far, one.total, one.size[0]
-    others, others_far, others_total, others_size = (
-        other.nodes,
-        other.far,
-        other.total,
-        other.size[0],
-    )
+    others, others_far = other.nodes, other.far
+    others_total, others_size = other.total, other.size[0]
     many, many_total, many_size = crowd.nodes, crowd.total, crowd.size[0]
     for k in range(ends.size):
         if ends[k] >= 0:

@@ -106,10 +106,8 @@ def into_water(water: Water, walls: int, row: float, col: float) -> tuple[float,
     framed, rows, cols = water.framed, water.rows, water.cols
     node = own_node(framed, row, col)
     if node < 0:
-        row, col = (
-            min(max(row, 0.0), framed.shape[0] - 3.0),
-            min(max(col, 0.0), framed.shape[1] - 3.0),
-        )
+        row = min(max(row, 0.0), framed.shape[0] - 3.0)
+        col = min(max(col, 0.0), framed.shape[1] - 3.0)
         node = own_node(framed, row, col)
         if node < 0:
             node = nearest_node(framed, row, col)

@@ -98,11 +98,8 @@ def _pull_scout(
     velocity: NDArray[np.float64],
 ) -> None:
     """Pull to the best node that the agent has seen itself and to the most idle one."""
-    full_after, now, last_seen = (
-        np.ceil(1.0 / arrays.forgetting),
-        seen.step[e] - 1.0,
-        seen.last_seen[e],
-    )
+    full_after = np.ceil(1.0 / arrays.forgetting)
+    now, last_seen = seen.step[e] - 1.0, seen.last_seen[e]
     for i in range(values.size):
         values[i] = min(full_after, now - last_seen[i])
     everywhere = np.arange(values.size).astype(np.int32)

@@ -30,9 +30,7 @@ class LinkLog(NamedTuple):
     lost_now: NDArray[np.int64]  # (episode, sender, receiver) of those in this step
     dropped: NDArray[np.int64]  # (episode,) scans that a budget did not suffice for
     bytes: NDArray[np.int64]  # (episode,) sent
-    received_at: NDArray[
-        np.int16
-    ]  # (episode, listener, agent, step) when each agent receives each scan
+    received_at: NDArray[np.int16]  # (episode, listener, agent, step) when each scan is received
     scans: ScanLog
     views: NodeLists  # whose lists the scans' places follow
     radius_number: NDArray[np.int64]  # (agent,) which of those lists

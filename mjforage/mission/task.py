@@ -51,9 +51,7 @@ class Pickup(NamedTuple):
 
     first: NDArray[np.float64]  # (agent, quays, quarter) by quays beside the item, 0 to 2, and by
     # its bearing off the bow as the hull sets out from the next node, in quarters of half a circle
-    more: NDArray[
-        np.float64
-    ]  # (agent,) for every other item of the node: one, if not taken at once
+    more: NDArray[np.float64]  # (agent,) for every other item of the node: 1, if not taken at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +146,8 @@ class DelayedScans(NamedTuple):
     """
 
     scans: Int32Array  # (row, scan, 3) step; agent whose it is; node where it was; padded with -1
-    shown: NDArray[
-        np.int16
-    ]  # (row, scan, place) items in the nodes in view, as `Task.views` lists,
-    # negative where it did not scan
+    shown: NDArray[np.int16]  # (row, scan, place) items in the nodes in view, as `Task.views` lists
+    # them, negative where it did not scan
 
     @property
     def step(self) -> Int32Array:

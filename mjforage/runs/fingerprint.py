@@ -18,9 +18,7 @@ DECISIVE = (
     *("scenario", "forcing", "mission", "physics", "runs/tables.py"),
 )
 """Parts of our package that decide the numbers of a run; the rest draws, stores or prints."""
-COMPUTING = ("numpy", "numba", "scipy", "mujoco", "mujoco-warp", "warp-lang", "torch", "torchrl")
-"""Libraries whose version may change a number."""
-USUAL = ("numpy", "numba", "scipy")  # of them, those that every run uses
+USUAL = ("numpy", "numba", "scipy")  # libraries that every run computes with
 DIGITS = 8
 _PACKAGE = Path(__file__).resolve().parents[1]
 _SUFFIXES = (".py", ".so", ".pyd")

@@ -135,10 +135,8 @@ class KnowledgeRecorder(Observer):
 
     def record(self, mission: Mission) -> KnowledgeRecord:
         """The complete record."""
-        graph, all_ = (
-            mission.setup.graph,
-            _Changes(*map(np.concatenate, zip(*self._changes, strict=True))),
-        )
+        graph = mission.setup.graph
+        all_ = _Changes(*map(np.concatenate, zip(*self._changes, strict=True)))
         changes = np.array([len(step.agent) for step in self._changes], np.int32)
         return KnowledgeRecord(
             forgetting=mission.task.forgetting,

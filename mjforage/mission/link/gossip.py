@@ -36,9 +36,7 @@ class Terms(NamedTuple):
 class Inbox(NamedTuple):
     """Scans that owners have received; one owner per agent."""
 
-    received_at: NDArray[
-        np.int16
-    ]  # (episode, owner, agent, step) step of arrival, or `NOT_RECEIVED`
+    received_at: NDArray[np.int16]  # (episode, owner, agent, step) of arrival, or `NOT_RECEIVED`
     newest: NDArray[np.int64]  # (episode, owner, agent) step of the newest received or in flight
     complete: NDArray[np.int64]  # (episode, owner, agent) all up to this step are
     arrived: NDArray[np.int64]  # (episode, owner, agent) all up to this step are received
@@ -198,12 +196,8 @@ def _exchange(
     traffic: Traffic,
 ) -> int:
     """All send what others lack, the newest first, ties by agent; how many scans will arrive."""
-    snr_db, received_at, newest, complete = (
-        contacts.snr_db,
-        inbox.received_at,
-        inbox.newest,
-        inbox.complete,
-    )
+    snr_db, received_at = contacts.snr_db, inbox.received_at
+    newest, complete = inbox.newest, inbox.complete
     wanted, occupied, agents, number = inbox.wanted, log.occupied, received_at.shape[1], 0
     for i in range(agents):
         bytes_left = terms.bytes if terms.bytes > 0 else _NEVER
@@ -249,12 +243,8 @@ def pass_on(
     keys, active, step : (episode,)
     inbox, traffic : changed in active episodes, as is what `contacts` count as lost
     """
-    received_at, newest, complete, arriving = (
-        inbox.received_at,
-        inbox.newest,
-        inbox.complete,
-        inbox.arriving,
-    )
+    received_at, arriving = inbox.received_at, inbox.arriving
+    newest, complete = inbox.newest, inbox.complete
     agents, steps, snr_db = received_at.shape[1], received_at.shape[3], contacts.snr_db
     met, sent, lost = traffic.contacts, traffic.sent, traffic.lost
     for e in range(active.size):
@@ -281,12 +271,8 @@ def arrivals(e: int, now: int, inbox: Inbox) -> int:
 
     Returns: how many scans.
     """
-    received_at, newest, arrived, received = (
-        inbox.received_at,
-        inbox.newest,
-        inbox.arrived,
-        inbox.received,
-    )
+    received_at, newest = inbox.received_at, inbox.newest
+    arrived, received = inbox.arrived, inbox.received
     agents, number = received_at.shape[1], 0
     for h in range(agents):
         first = now

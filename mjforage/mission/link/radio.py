@@ -35,9 +35,7 @@ class Net(NamedTuple):
     contacts: Contacts
     inbox: Inbox
     traffic: Traffic
-    delayed: NDArray[
-        np.int32
-    ]  # (row, scan) step x agents + agent of those received late in this step
+    delayed: Int32Array  # (row, scan) step x agents + agent of those received late in this step
     n_delayed: NDArray[np.int64]  # (row,)
     filtered: MapFilter
 
@@ -62,12 +60,8 @@ def _weigh(net: Net, e: int, h: int, now: int, knowledge: Knowledge) -> None:
 @kernel
 def _take_in(net: Net, active: NDArray[np.bool_], step: Int32Array, knowledge: Knowledge) -> None:
     """Let every owner receive what arrives now, and list what is delayed of it."""
-    received, delayed, n_delayed, agents = (
-        net.inbox.received,
-        net.delayed,
-        net.n_delayed,
-        net.radius_number.size,
-    )
+    received, delayed, n_delayed = net.inbox.received, net.delayed, net.n_delayed
+    agents = net.radius_number.size
     n_delayed[:] = 0
     for e in range(active.size):
         if not active[e]:

@@ -144,10 +144,8 @@ class Chart:
             symbols.paint_outline(image, place, course, length, *symbol)
             x, y, course = self._vessels(float(received[agent]))[agent]
             symbols.paint_stale(image, np.array((x, y)), course, length, *symbol)
-            size, ago = (
-                max(9, round(12 * self._unit)),
-                age_of(recording, time, int(received[agent])),
-            )
+            size = max(9, round(12 * self._unit))
+            ago = age_of(recording, time, int(received[agent]))
             write(image, f"{ago} ago", x, y + 0.55 * length + size, size, bold=True, align="middle")
 
     def _paint_mark(self, image: Image, place: Floats, colour: palette.Colour) -> None:

@@ -53,31 +53,20 @@ def render_recording(
 
     Parameters
     ----------
-    recording : Recording
-        The episode.
-    path : Path
-        Its suffix chooses the kind, see `write_video`; a single PNG shows the time `start_s`.
-    beside : Recording, optional
-        The same episode of another policy, shown to the right of it by the same clock; the one
-        that ends earlier stays at its end.
-    camera : str, optional
-        overview, chase, top or scout; by default top in the graph world, which is plain drawing
-        without OpenGL, else overview.
-    follow : str, optional
-        Vessel of chase and scout, such as ``foragers_1``.
-    seen_by : str
-        Vessel by whose knowledge the episode is drawn, such as ``scouts_0``, or ``all``.
-    size : (int or None, int or None)
-        Width and height of a frame [pixel], by default 1280 x 720; one alone gives the other, 16:9.
-    start_s, duration_s : float
-        What to show, in simulated seconds; by default all of the episode.
-    fps : float
-        Frames per second of video.
-    speed : float, optional
-        Simulated seconds per second of video, 1 being real time; by default four decisions (40 s in
-        the default scenario), for chase and scout one.
-    progress : callable, optional
-        Called as `progress(done, total)` after every frame.
+    path : its suffix chooses the kind, see `write_video`; a single PNG shows the time `start_s`
+    beside : the same episode of another policy, shown to the right of it by the same clock; the one
+        that ends earlier stays at its end
+    camera : overview, chase, top or scout; by default top in the graph world, which is plain
+        drawing without OpenGL, else overview
+    follow : vessel of chase and scout, such as ``foragers_1``
+    seen_by : vessel by whose knowledge the episode is drawn, such as ``scouts_0``, or ``all``
+    size : width and height of a frame [pixel], by default 1280 x 720; one alone gives the other,
+        16:9
+    start_s, duration_s : what to show, in simulated seconds; by default all of the episode
+    fps : frames per second of video
+    speed : simulated seconds per second of video, 1 being real time; by default four decisions
+        (40 s in the default scenario), for chase and scout one
+    progress : called as `progress(done, total)` after every frame
     """
     check_target(path, fps)
     name = _camera_of(recording, camera)
