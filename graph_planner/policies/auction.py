@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.option_ranges import check_at_least
-from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.base.randomness import Stream, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import (
     FAR,
     DistanceRows,
@@ -35,9 +35,9 @@ from mjforage.graph_planner.policy_parts.auctions import (
     sell_views,
     ways_between,
 )
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
 from mjforage.graph_planner.policy_parts.seeking import TIE
 from mjforage.mission.moves import move_length
-from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 _MOVES, _AGENTS, _NODES = 0, 1 << 16, 1 << 18  # where the indices of draws begin
@@ -290,7 +290,7 @@ def _decide(
 
 
 @register("auction")
-class AuctionPolicy:
+class AuctionPolicy(KernelPolicy):
     """Sequential auctions: foragers buy known items, scouts places to look from.
 
     Parameters
@@ -320,17 +320,10 @@ class AuctionPolicy:
         scouting = float(revisit), float(refresh), float(warm), float(cool), float(patience)
         self._terms, self._near = Terms(lots, *scouting), float(near)
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain, graph = Plain(task, keys.size), task.graph
-        discs, nodes = graph.discs((self._near,)), len(graph)
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """Down the way to what each agent won."""
+        graph, nodes = task.graph, len(task.graph)
         table, workspace = graph.distance_rows, Workspace.of(nodes)
-        harbour = Harbour(task.arrays, task.views, discs, table, workspace)
-        self._preferences = np.zeros((keys.size, len(task.fleet), 9))
-        warmth = np.zeros((keys.size, nodes))
-        self._decide = BoundKernel(_decide, self._terms, harbour, warmth, self._preferences)
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9): down the way to what each agent won."""
-        self._decide(self._plain(observation))
-        return self._preferences
+        harbour = Harbour(task.arrays, task.views, graph.discs((self._near,)), table, workspace)
+        warmth = np.zeros((len(preferences), nodes))
+        return BoundKernel(_decide, self._terms, harbour, warmth, preferences)

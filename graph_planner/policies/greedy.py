@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
+from mjforage.base.randomness import Stream, fill_bits, stream_key, to_uniform
 from mjforage.graph_planner.graph.geodesics import FAR, Workspace, distances_to_nearest
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policies.registry import register
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
 from mjforage.graph_planner.policy_parts.seeking import TIE, longest_move, possible_targets
-from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 _FULL_BITS = 40
@@ -95,7 +95,7 @@ def _rewards(
 
 
 @register("greedy")
-class GreedyPolicy:
+class GreedyPolicy(KernelPolicy):
     """Largest instant reward: known items, idleness in view, distance to the nearest known item."""
 
     def __init__(
@@ -106,20 +106,7 @@ class GreedyPolicy:
     ) -> None:
         self._weights = Weights(item, idleness, distance)
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain, graph = Plain(task, keys.size), task.graph
-        self._preferences = np.zeros((keys.size, len(task.fleet), 9))
-        self._fill = BoundKernel(
-            _rewards,
-            self._weights,
-            task.arrays,
-            graph.discs(task.view_radii),
-            Workspace.of(len(graph)),
-            self._preferences,
-        )
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Instant rewards (episode, agent, 9) of all moves."""
-        self._fill(self._plain(observation))
-        return self._preferences
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """Instant rewards of all moves."""
+        discs, workspace = task.graph.discs(task.view_radii), Workspace.of(len(task.graph))
+        return BoundKernel(_rewards, self._weights, task.arrays, discs, workspace, preferences)

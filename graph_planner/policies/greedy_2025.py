@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
+from mjforage.base.randomness import Stream, fill_bits, stream_key, to_uniform
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policies.registry import register
 from mjforage.graph_planner.policy_parts.final_moves import is_taken, make_final, squared_to_nearest
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
 from mjforage.graph_planner.policy_parts.seeking import possible_targets
-from mjforage.mission.plain import Plain
 from mjforage.mission.task import NEVER, Observation, Task, TaskArrays
 
 PER_ITEM, PER_NEW_NODE, PER_NEW_NODE_LATE = 50.0, 2.0, 1.0
@@ -78,17 +78,10 @@ def _choose(
 
 
 @register("greedy-2025")
-class Greedy2025Policy:
+class Greedy2025Policy(KernelPolicy):
     """Greedy of the paper of 2025: nearest item, items at the end node, nodes never seen."""
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain = Plain(task, keys.size)
-        self._preferences = np.zeros((keys.size, len(task.fleet), 9))
-        about = task.fleet.order, task.graph.discs(task.view_radii), self._preferences
-        self._choose = BoundKernel(_choose, task.arrays, *about)
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9): the chosen move."""
-        self._choose(self._plain(observation))
-        return self._preferences
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """The chosen move."""
+        about = task.fleet.order, task.graph.discs(task.view_radii), preferences
+        return BoundKernel(_choose, task.arrays, *about)

@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.graph_planner.policies.registry import register
-from mjforage.graph_planner.policy_parts.seeking import ItemSeeker, longest_move, possible_targets
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
+from mjforage.graph_planner.policy_parts.seeking import longest_move, possible_targets
 from mjforage.mission.moves import move_length
-from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 
@@ -104,16 +103,15 @@ def _sweep(
 
 
 @register("lawnmower")
-class LawnmowerPolicy:
+class LawnmowerPolicy(KernelPolicy):
     """Sweeps the map in lanes; foragers leave their lane for the nearest known item."""
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain, self._seeker = Plain(task, keys.size), ItemSeeker(task)
-        self.sweep = self._plan(task, keys.size)
-        self._preferences = np.zeros((keys.size, len(task.fleet), 9))
-        room = Workspace.of(len(task.graph))
-        self._go_on = BoundKernel(_sweep, task.arrays, self.sweep, room, self._preferences)
+    seeks = True
+
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """Down the way to the agent's next corner."""
+        self.sweep, room = self._plan(task, len(preferences)), Workspace.of(len(task.graph))
+        return BoundKernel(_sweep, task.arrays, self.sweep, room, preferences)
 
     def _plan(self, task: Task, episodes: int) -> Sweep:
         """Lay out each agent's share of its team's corners in one flat list."""
@@ -132,10 +130,3 @@ class LawnmowerPolicy:
             current=np.zeros((episodes, len(fleet)), np.int64),
             patience=np.zeros((episodes, len(fleet)), np.int64),
         )
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9): down the way to the agent's next corner."""
-        observation = self._plain(observation)
-        self._go_on(observation)
-        self._seeker.guide(observation, self._preferences)
-        return self._preferences

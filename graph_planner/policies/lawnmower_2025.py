@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.base.randomness import Stream, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.policies.registry import register
 from mjforage.graph_planner.policy_parts.final_moves import make_final
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
 from mjforage.graph_planner.policy_parts.seeking import possible_targets
-from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 LANE, SIDE, OUT = 0, 1, 2
@@ -76,18 +76,12 @@ def _mow(
 
 
 @register("lawnmower-2025")
-class Lawnmower2025Policy:
+class Lawnmower2025Policy(KernelPolicy):
     """Lawnmower of the paper of 2025: lanes in a drawn direction, items ignored."""
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain, agents = Plain(task, keys.size), (keys.size, len(task.fleet))
-        self._preferences = np.zeros((*agents, 9))
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """The next move of the sweep."""
+        agents = preferences.shape[:2]
         forward, zeros = np.full(agents, UNDRAWN), (np.zeros(agents, np.int64) for _ in range(3))
         self.mower = Mower(forward, *zeros)
-        self._mow = BoundKernel(_mow, task.arrays, self.mower, self._preferences)
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9): the next move of the sweep."""
-        self._mow(self._plain(observation))
-        return self._preferences
+        return BoundKernel(_mow, task.arrays, self.mower, preferences)

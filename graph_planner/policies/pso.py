@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.base.randomness import Stream, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.graph_planner.policies.registry import register
-from mjforage.mission.plain import Plain
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 INERTIA = 0.7298
@@ -32,8 +32,14 @@ class Swarm(NamedTuple):
     """Memory of the particles."""
 
     velocity: NDArray[np.float64]  # (episode, agent, 2) (row, column) [node]
-    best_node: Int32Array  # (episode, agent) richest node the agent has seen itself, -1 none
-    best_items: Int32Array  # (episode, agent) items believed there then
+    best_node: Int32Array  # (episode, agent) own best place, -1 none
+    best_items: Int32Array  # (episode, agent) items there then
+
+    @classmethod
+    def at_rest(cls, agents: tuple[int, ...]) -> "Swarm":
+        """Particles (episode, agent) that have seen nothing yet."""
+        nowhere = np.full(agents, NOWHERE, np.int32)
+        return cls(np.zeros((*agents, 2)), nowhere, np.zeros(agents, np.int32))
 
 
 @kernel
@@ -149,21 +155,10 @@ def _fly(
 
 
 @register("pso")
-class PsoPolicy:
+class PsoPolicy(KernelPolicy):
     """Particle swarm: velocities pulled to idle nodes (scouts) and known items (foragers)."""
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain, agents = Plain(task, keys.size), (keys.size, len(task.fleet))
-        swarm = Swarm(
-            velocity=np.zeros((*agents, 2)),
-            best_node=np.full(agents, NOWHERE, np.int32),
-            best_items=np.zeros(agents, np.int32),
-        )
-        self._preferences = np.zeros((*agents, 9))
-        self._fly = BoundKernel(_fly, task.arrays, task.views, swarm, self._preferences)
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9): cosine between the velocity and each move."""
-        self._fly(self._plain(observation))
-        return self._preferences
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """Cosine between the velocity and each move."""
+        swarm = Swarm.at_rest(preferences.shape[:2])
+        return BoundKernel(_fly, task.arrays, task.views, swarm, preferences)

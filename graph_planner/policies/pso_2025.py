@@ -9,20 +9,20 @@ nearest to v whose end node is free and not taken by agents before it; without o
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.base.randomness import Stream, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS
 from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.graph_planner.policies.pso import NOWHERE, Swarm
 from mjforage.graph_planner.policies.registry import register
 from mjforage.graph_planner.policy_parts.final_moves import FARTHEST, is_taken, make_final
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
 from mjforage.graph_planner.policy_parts.seeking import possible_targets
-from mjforage.mission.plain import Plain
 from mjforage.mission.task import NEVER, Observation, Task, TaskArrays
 
 EXPLORING, EXPLOITING, COLLECTING = 0, 1, 2
@@ -34,14 +34,6 @@ LAST_EXPLORING = 76
 """Move of the scouts up to which they explore."""
 DAMPING = 0.01
 SOUTH = 4
-
-
-class Swarm(NamedTuple):
-    """Memory of the particles."""
-
-    velocity: NDArray[np.float64]  # (episode, agent, 2) (row, column) [node]
-    best_node: Int32Array  # (episode, agent) own best place, -1 none
-    best_items: Int32Array  # (episode, agent) items in view there then
 
 
 @kernel
@@ -69,7 +61,7 @@ def _nearest_new(cells: Int32Array, last_seen: NDArray[np.int16], row: int, col:
     cells : (row, column) node of each cell, -1 on land
     last_seen : (node,)
     """
-    best, least, height, width = -1, FARTHEST, cells.shape[0], cells.shape[1]
+    best, least, height, width = NOWHERE, FARTHEST, cells.shape[0], cells.shape[1]
     for down in range(height):
         for right in range(width):
             squared = down * down + right * right
@@ -152,22 +144,11 @@ def _fly(
 
 
 @register("pso-2025")
-class Pso2025Policy:
+class Pso2025Policy(KernelPolicy):
     """Particle swarm of the paper of 2025: pulls of own best, richest, unseen and nearest nodes."""
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain, agents = Plain(task, keys.size), (keys.size, len(task.fleet))
-        self.swarm = Swarm(
-            velocity=np.zeros((*agents, 2)),
-            best_node=np.full(agents, -1, np.int32),
-            best_items=np.zeros(agents, np.int32),
-        )
-        self._preferences = np.zeros((*agents, 9))
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """The move nearest to each velocity."""
+        self.swarm = Swarm.at_rest(preferences.shape[:2])
         about = task.graph.node_of_cell, task.fleet.order, task.views, self.swarm
-        self._fly = BoundKernel(_fly, task.arrays, *about, self._preferences)
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9): the move nearest to each velocity."""
-        self._fly(self._plain(observation))
-        return self._preferences
+        return BoundKernel(_fly, task.arrays, *about, preferences)

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
+from mjforage.base.randomness import Stream, fill_bits, stream_key, to_uniform
 from mjforage.graph_planner.policies.registry import register
-from mjforage.mission.plain import Plain
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
 from mjforage.mission.task import Observation, Task
 
 
@@ -25,16 +25,9 @@ def _draw(preferences: NDArray[np.float64], seen: Observation) -> None:
 
 
 @register("random")
-class RandomPolicy:
+class RandomPolicy(KernelPolicy):
     """Every legal move is equally likely, staying included where it is legal."""
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain = Plain(task, keys.size)
-        self._preferences = np.zeros((keys.size, len(task.fleet), 9))
-        self._draw = BoundKernel(_draw, self._preferences)
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Independent uniform preferences (episode, agent, 9)."""
-        self._draw(self._plain(observation))
-        return self._preferences
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """Independent uniform draws."""
+        return BoundKernel(_draw, preferences)

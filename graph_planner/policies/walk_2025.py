@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.base.randomness import Stream, stream_key, uniform
 from mjforage.graph_planner.policies.registry import register
 from mjforage.graph_planner.policy_parts.final_moves import make_final
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
 from mjforage.graph_planner.policy_parts.seeking import possible_targets
-from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 UNDRAWN = -1
@@ -46,16 +46,10 @@ def _walk(
 
 
 @register("walk-2025")
-class Walk2025Policy:
+class Walk2025Policy(KernelPolicy):
     """Random walk of the paper of 2025: straight on until blocked, items ignored."""
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        self._plain, agents = Plain(task, keys.size), (keys.size, len(task.fleet))
-        self._preferences, heading = np.zeros((*agents, 9)), np.full(agents, UNDRAWN)
-        self._walk = BoundKernel(_walk, task.arrays, heading, self._preferences)
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9): on along each walk."""
-        self._walk(self._plain(observation))
-        return self._preferences
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """On along each walk."""
+        heading = np.full(preferences.shape[:2], UNDRAWN)
+        return BoundKernel(_walk, task.arrays, heading, preferences)

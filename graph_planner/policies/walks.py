@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key, uniform
+from mjforage.base.randomness import Stream, normal, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.policies.registry import register
-from mjforage.graph_planner.policy_parts.seeking import ItemSeeker, possible_targets
-from mjforage.mission.plain import Plain
+from mjforage.graph_planner.policy_parts.kernel_policy import KernelPolicy, Preferences
+from mjforage.graph_planner.policy_parts.seeking import possible_targets
 from mjforage.mission.task import Observation, Task, TaskArrays
 
 NO_HEADING = -1
@@ -80,32 +80,24 @@ def _walk(
             preferences[e, a, STAY] = -2.0
 
 
-class Walks:
+class Walks(KernelPolicy):
     """Straight walks; turns are uniform over the legal moves except straight back.
 
     Preference goes to the heading, then to the other moves at random, then back, then to staying.
     Where items are known, foragers go to the nearest one by a shortest path.
     """
 
-    def reset(self, task: Task, keys: UInt64Array) -> None:
-        """Get ready for a batch of episodes (episode,)."""
-        agents = (keys.size, len(task.fleet))
-        self._plain, self._seeker = Plain(task, keys.size), ItemSeeker(task)
+    seeks = True
+
+    def filled(self, task: Task, preferences: Preferences) -> BoundKernel[None]:
+        """On along each walk."""
+        agents, longest = preferences.shape[:2], self._longest(task)
         heading, left = np.full(agents, NO_HEADING, np.int8), np.zeros(agents, np.int32)
-        self._preferences = np.zeros((*agents, 9))
-        longest = self._longest(task)
-        self._walk = BoundKernel(_walk, task.arrays, longest, heading, left, self._preferences)
+        return BoundKernel(_walk, task.arrays, longest, heading, left, preferences)
 
     def _longest(self, task: Task) -> int:
         """Longest walk [decision]."""
         return NO_LIMIT
-
-    def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Preferences (episode, agent, 9)."""
-        observation = self._plain(observation)
-        self._walk(observation)
-        self._seeker.guide(observation, self._preferences)
-        return self._preferences
 
 
 @register("wanderer")
