@@ -88,10 +88,7 @@ def regrets(
     all the same loses nothing, one that goes the other way two steps in each. Returns: (landmark,)
     lost steps per forager and step, 0 to 2.
 
-    Parameters
-    ----------
-    kind, at : (forager,) its number in `ways`, and its node
-    ahead : steps looked at
+    `kind`, `at`: (forager,) its number in `ways`, and its node; `ahead`: steps looked at.
     """
     regret = np.zeros(landmarks.size)
     preferences = np.empty(9)

@@ -107,10 +107,7 @@ class TargetValues:
     def list_items(self, e: int, now: int, items: Floating) -> None:
         """Fill `items` with tracks, and with the nodes where most unseen items are expected.
 
-        Parameters
-        ----------
-        e : row of the beliefs
-        now : step that they are of
+        `e`: row of the beliefs; `now`: step that they are of.
         """
         self._list_items(e, now, items)
 

@@ -95,13 +95,7 @@ def row_to(ways: Ways, node: int) -> int:
 
 @lru_cache(maxsize=16)
 def ways_of(graph: NavigationGraph, moves: int, rules: MoveRules) -> Ways:
-    """Ways of a mover on a map, made once and kept.
-
-    Parameters
-    ----------
-    graph : map
-    moves : nodes per decision
-    """
+    """Ways of a mover on a map, made once and kept; `graph`: map; `moves`: nodes per decision."""
     ends, n = all_targets(graph, np.array([moves]), rules)[1][0], len(graph)
     start, before = _reversed(ends)
     rows = n if n <= TABLE_LIMIT else rows_worth_keeping(n, 2)

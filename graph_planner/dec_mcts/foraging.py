@@ -74,10 +74,7 @@ def search_tours(
 ) -> NDArray[np.int64]:
     """The stop that each forager goes to first (forager,), `NOWHERE` where it has no plan.
 
-    Parameters
-    ----------
-    follows : (forager,) chance that each follows its known plan
-    key, step : of the draws
+    `follows`: (forager,) chance that each follows its known plan; `key`, `step`: of the draws.
     """
     foragers, n = legs.first.shape
     longest = min(effort.depth, n)

@@ -87,10 +87,7 @@ def search_sweeps(
 ) -> None:
     """Fill preferences (scout, 9): the first move of each scout's likeliest sequence.
 
-    Parameters
-    ----------
-    follows : (scout,) chance that each follows its known plan
-    key, step : of the draws
+    `follows`: (scout,) chance that each follows its known plan; `key`, `step`: of the draws.
     """
     n = scouts.kind.size
     scouts.total[:] = 0.0

@@ -74,10 +74,7 @@ def sample_sights(
 ) -> None:
     """Draw the views of the others.
 
-    Parameters
-    ----------
-    follows : (scout,) chance that each follows its known plan
-    sights : filled
+    `follows`: (scout,) chance that each follows its known plan; `sights`: filled.
     """
     sights.token[0] += 1
     token, others, earliest = sights.token[0], sights.others, sights.worth
@@ -214,10 +211,7 @@ def simulate_sweep(
 ) -> None:
     """One simulation: down the tree, one node more, and on by a rollout.
 
-    Parameters
-    ----------
-    most : mass that a look shows at most
-    now : its number
+    `most`: mass that a look shows at most; `now`: its number.
     """
     kind, end, worth, value = scouts.kind[s], scouts.at[s], 1.0, 0.0
     cover, longest = scouts.covers[kind], effort.depth

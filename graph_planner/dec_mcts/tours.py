@@ -53,10 +53,7 @@ def sample_claims(
 ) -> None:
     """Draw the actions of the others.
 
-    Parameters
-    ----------
-    follows : (forager,) chance that each follows its known plan
-    claims : filled
+    `follows`: (forager,) chance that each follows its known plan; `claims`: filled.
     """
     first, amounts, later = claims.worth, claims.amount, claims.later
     weight, pace = legs.weight, -np.log(effort.discount)

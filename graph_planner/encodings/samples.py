@@ -140,10 +140,7 @@ def measure(
 def mean_gain(total: NDArray[np.int64], size: int, here: int, there: int) -> float:
     """Mean gain of a sample's nodes, by how much nearer they are to one end than to another [node].
 
-    Parameters
-    ----------
-    total, size : of a `Sample`
-    here, there : rows of `far`
+    `total`, `size`: of a `Sample`; `here`, `there`: rows of `far`.
     """
     return float((total[here] - total[there]) / PARTS / max(1, size))
 
@@ -176,10 +173,7 @@ def nearest_own(
 ) -> float:
     """Distance to the nearest node that is given to an agent of a kind, or inf [node].
 
-    Parameters
-    ----------
-    bits, nearest, size : of a `Sample`
-    end : row of `far` from where
+    `bits`, `nearest`, `size`: of a `Sample`; `end`: row of `far` from where.
     """
     shortest = _INF_BITS
     for i in range(size):

@@ -68,10 +68,7 @@ def list_nodes(
     A shortest way from a seen node to the nearest unseen one leads over seen nodes only, so it ends
     on the edge: for that distance the others do not matter.
 
-    Parameters
-    ----------
-    idle : (node,) see `Fields`
-    place, water_at, node_at, width : see `Chart`
+    `idle`: (node,) see `Fields`; `place`, `water_at`, `node_at`, `width`: see `Chart`.
     """
     nodes, new, fresh, count = unseen.nodes, unseen.new, unseen.fresh, np.uint64(0)
     for node in range(idle.size):

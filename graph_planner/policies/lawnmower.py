@@ -24,10 +24,7 @@ from mjforage.mission.task import Observation, Task, TaskArrays
 def lane_corners(graph: NavigationGraph, spacing: int) -> Int32Array:
     """(corner,) nodes at the ends of every lane's stretches of water, in sweeping order.
 
-    Parameters
-    ----------
-    graph : the map
-    spacing : rows from lane to lane, 1 or more
+    `graph`: the map; `spacing`: rows from lane to lane, 1 or more.
     """
     corners: list[int] = []
     for lane, row in enumerate(

@@ -56,10 +56,7 @@ def _items_of(
 def _nearest_new(cells: Int32Array, last_seen: NDArray[np.int16], row: int, col: int) -> int:
     """The node never seen that is nearest to a cell, the lowest of equals; -1 if there is none.
 
-    Parameters
-    ----------
-    cells : (row, column) node of each cell, -1 on land
-    last_seen : (node,)
+    `cells`: (row, column) node of each cell, -1 on land; `last_seen`: (node,).
     """
     best, least, height, width = NOWHERE, FARTHEST, cells.shape[0], cells.shape[1]
     for down in range(height):

@@ -50,10 +50,7 @@ def parse_reference(text: str, kind: str) -> Reference:
 
     Raises `UserError` if it is neither.
 
-    Parameters
-    ----------
-    text : NAME or NAME(OPTION=VALUE, ...)
-    kind : kind of the named part, for messages
+    `text`: NAME or NAME(OPTION=VALUE, ...); `kind`: kind of the named part, for messages.
     """
     name, opened, inside = text.strip().partition("(")
     name, inside = name.strip(), inside.strip()

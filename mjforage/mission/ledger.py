@@ -32,10 +32,7 @@ class Ledger(NamedTuple):
     def of(cls, item_node: Int32Array, nodes: int) -> "Ledger":
         """A ledger before the scan of step 0.
 
-        Parameters
-        ----------
-        item_node : (episode, item) at step 0, -1 for padding
-        nodes : of the map
+        `item_node`: (episode, item) at step 0, -1 for padding; `nodes`: of the map.
         """
         items = item_node.shape
         return cls(

@@ -38,10 +38,7 @@ def check_names(where: str, names: Mapping[str, Iterable[object]]) -> None:
 
     Raises `UserError` if one holds anything but letters, digits and `_.@+-`, or begins with a sign.
 
-    Parameters
-    ----------
-    where : the file, for the message
-    names : key of the file -> names
+    `where`: the file, for the message; `names`: key of the file -> names.
     """
     for key, found in names.items():
         for name in found:

@@ -45,10 +45,7 @@ def differences(
 ) -> list[Difference]:
     """Differences between a folder's file and the requested content, in the order of the keys.
 
-    Parameters
-    ----------
-    there, here : contents
-    keys : that decide
+    `there`, `here`: contents; `keys`: that decide.
     """
     here = json.loads(json.dumps(here))
     return [

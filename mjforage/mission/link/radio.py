@@ -109,13 +109,7 @@ class Radio:
     uses: Set[str] = frozenset({"relays"})
 
     def __init__(self, scenario: Scenario, agents: int) -> None:
-        """Prepare.
-
-        Parameters
-        ----------
-        scenario : whose link is not ideal
-        agents : in the fleet
-        """
+        """Prepare; `scenario`: whose link is not ideal; `agents`: in the fleet."""
         self._scenario, self.owners = scenario, agents
         self.owner_of = read_only(np.arange(agents, dtype=np.int64))
         self._knowledge_views, self._net_views = CachedViews[Knowledge](), CachedViews[Net]()

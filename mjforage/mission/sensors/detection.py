@@ -71,10 +71,7 @@ def real_if_missed(real: float, chance: float) -> float:
     r (1 - p) / (1 - r p) (Musicki, Evans and Stankovic, IEEE Transactions on Automatic Control 39,
     1994).
 
-    Parameters
-    ----------
-    real : r
-    chance : p, to detect it
+    `real`: r; `chance`: p, to detect it.
     """
     return real * (1.0 - chance) / max(1e-12, 1.0 - real * chance)
 

@@ -88,10 +88,7 @@ def changed(value: Any, changes: Mapping[str, Any]) -> Any:
 def along(axes: Iterable[Axis], scenario: Scenario, policies: Sequence[str]) -> list[Variant]:
     """The variants of the axes' points, each once; those that none of the policies plays left out.
 
-    Parameters
-    ----------
-    scenario : what the points change
-    policies : references, with or without options
+    `scenario`: what the points change; `policies`: references, with or without options.
     """
     found: dict[str, Variant] = {}
     for point in (point for axis in axes for point in axis.points):

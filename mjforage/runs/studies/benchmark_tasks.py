@@ -69,10 +69,7 @@ def task_on_map(text: str, overrides: Sequence[str] = ()) -> BenchmarkTask:
 
     Raises `UserError` if the map or world is unknown or cannot be used.
 
-    Parameters
-    ----------
-    text : MAP or MAP@WORLD: name, table, grid or image
-    overrides : as of `task_of_scenario`
+    `text`: MAP or MAP@WORLD: name, table, grid or image; `overrides`: as of `task_of_scenario`.
     """
     file, world, end = _parted(text)
     scenario = _without_starts(load_scenario(RULES, overrides, file))

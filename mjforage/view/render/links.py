@@ -21,10 +21,7 @@ def paint_links(
 ) -> None:
     """Paint a line between all in contact, broken and red where scans were lost in the step.
 
-    Parameters
-    ----------
-    points : (agent, 2) where vessels are [pixel]
-    unit : width of a fine line [pixel]
+    `points`: (agent, 2) where vessels are [pixel]; `unit`: width of a fine line [pixel].
     """
     if recording.knowledge is None:
         return

@@ -37,10 +37,7 @@ def best_of(logs: RunLogs, metric: Description) -> set[Case]:
 def best_first(values: Mapping[Name, FloatArray], better: int) -> list[Name]:
     """Names by their means, the best first; those that are defined nowhere are left out.
 
-    Parameters
-    ----------
-    values : (episode,) of each, NaN = undefined
-    better : 1 more, -1 less is better
+    `values`: (episode,) of each, NaN = undefined; `better`: 1 more, -1 less is better.
     """
     means = {one: float(np.nanmean(x)) for one, x in values.items() if np.isfinite(x).any()}
     return sorted(means, key=lambda one: -better * means[one])

@@ -75,10 +75,7 @@ def differences_table(
 ) -> Table:
     """A row per contrast, a column per metric that has a difference, bold where it differs from 0.
 
-    Parameters
-    ----------
-    words : name of a difference
-    head : head of the column of row names
+    `words`: name of a difference; `head`: head of the column of row names.
     """
     defined = [m for m in metrics if any(np.isfinite(one.gaps(m)).any() for one in contrasts)]
     metrics = defined or metrics

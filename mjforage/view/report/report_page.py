@@ -120,10 +120,7 @@ def scenario_text(tree: object) -> str:
 def report_page(logs: RunLogs, shown: RunLogs, pictures: Sequence[ReportFigure]) -> Page:
     """The page of a run.
 
-    Parameters
-    ----------
-    logs, shown : the run, and what of it the page shows
-    pictures : of what is shown
+    `logs`, `shown`: the run, and what of it the page shows; `pictures`: of what is shown.
     """
     run = logs.run
     headline = headline_table(shown if len(logs.cases) > CASES else logs)
