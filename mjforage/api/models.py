@@ -29,7 +29,8 @@ class LoadedModel(ModelPolicy):
         Raises `UserError` if none of ours fits its spaces.
         """
         self.observation = _observation(type(self).model, task, type(self).__name__)
-        self._levels = _is_of_levels(type(self).model.observation_space)
+        spaces = type(self).model.observation_space.spaces
+        self._levels = all(part.dtype == np.uint8 for name, part in spaces.items() if name != MASK)
         super().reset(task, keys)
 
     def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
@@ -90,10 +91,6 @@ def _asked(model: Any) -> Any:
     policy = getattr(model, "policy", None)
     part = policy if callable(getattr(policy, "predict", None)) else model
     return cloudpickle.loads(cloudpickle.dumps(part))
-
-
-def _is_of_levels(space: Any) -> bool:
-    return all(part.dtype == np.uint8 for name, part in space.spaces.items() if name != MASK)
 
 
 def _observation(model: Any, task: Task, who: str) -> str:

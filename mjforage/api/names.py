@@ -1,11 +1,23 @@
 """Names of what ships or is installed."""
 
-from typing import Literal, get_args
+from collections.abc import Callable, Iterable
+from importlib import import_module
+from typing import Any, Literal, get_args
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 
 Kind = Literal["policies", "scenarios", "maps", "vessels", "metrics", "worlds", "observations"]
+_NAMES: dict[Kind, tuple[str, Callable[[Any], Iterable[str]]]] = {
+    "policies": ("graph_planner.policies", lambda here: here.policy_names()),
+    "scenarios": ("scenario.scenario_file", lambda here: here.preset_names()),
+    "maps": ("scenario.map_files", lambda here: here.shipped_maps()),
+    "vessels": ("scenario.vessel_files", lambda here: here.vessel_names()),
+    "metrics": ("mission.scoring", lambda here: (one.key for one in here.chosen_metrics())),
+    "worlds": ("physics.worlds", lambda here: here.WORLDS),
+    "observations": ("graph_planner.encodings", lambda here: here.ENCODERS.names()),
+}
+"""Kind -> the module that knows its names, imported when it is asked, and what tells them."""
 
 
 def names(kind: Kind) -> tuple[str, ...]:
@@ -22,32 +34,7 @@ def names(kind: Kind) -> tuple[str, ...]:
     >>> mf.names("worlds")
     ('graph', 'hulls', 'calibrated', 'debris', 'intake', 'physics')
     """
-    if kind == "policies":
-        from mjforage.graph_planner.policies import policy_names
-
-        return tuple(policy_names())
-    if kind == "scenarios":
-        from mjforage.scenario.scenario_file import preset_names
-
-        return tuple(preset_names())
-    if kind == "maps":
-        from mjforage.scenario.map_files import shipped_maps
-
-        return tuple(shipped_maps())
-    if kind == "vessels":
-        from mjforage.scenario.vessel_files import vessel_names
-
-        return tuple(vessel_names())
-    if kind == "metrics":
-        from mjforage.mission.scoring import chosen_metrics, description
-
-        return tuple(description(one).key for one in chosen_metrics())
-    if kind == "worlds":
-        from mjforage.physics.worlds import WORLDS
-
-        return tuple(WORLDS)
-    if kind == "observations":
-        from mjforage.graph_planner.encodings.encoder import ENCODERS
-
-        return tuple(ENCODERS.names())
-    raise UserError(f"kind {kind!r}: unknown; {nearest(str(kind), get_args(Kind))}")
+    if kind not in get_args(Kind):
+        raise UserError(f"kind {kind!r}: unknown; {nearest(str(kind), get_args(Kind))}")
+    place, told = _NAMES[kind]
+    return tuple(told(import_module(f"mjforage.{place}")))

@@ -14,11 +14,6 @@ def is_notebook() -> bool:
     return "ipykernel" in sys.modules
 
 
-def is_watched() -> bool:
-    """True in a terminal or a notebook."""
-    return is_notebook() or (sys.stderr is not None and sys.stderr.isatty())
-
-
 @contextmanager
 def bar(words: str, unit: str, wanted: bool | Report | None) -> Iterator[Report]:
     """Show the share that is done.
@@ -33,9 +28,10 @@ def bar(words: str, unit: str, wanted: bool | Report | None) -> Iterator[Report]
     ------
     what is called with (done, total)
     """
+    watched = is_notebook() or (sys.stderr is not None and sys.stderr.isatty())
     if callable(wanted):
         yield wanted
-    elif not (is_watched() if wanted is None else wanted):
+    elif not (watched if wanted is None else wanted):
         yield lambda done, total: None
     elif is_notebook():
         yield from _notebook_bar(words, unit)

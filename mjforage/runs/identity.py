@@ -192,8 +192,8 @@ def run_info(
     """
     navigable = setup.grid.navigable
     metric_classes = chosen_metrics(metrics)
-    origin, classes = provenance(), [*metric_classes, *scenario_parts(setup.scenario)]
-    code = run_code(policies, worlds, classes, setup.scenario.physics.device)
+    parts: list[Callable[..., Any]] = [*metric_classes, *scenario_parts(setup.scenario)]
+    origin, code = provenance(), run_code(policies, worlds, parts, setup.scenario.physics.device)
     info: dict[str, Any] = {
         "command": origin["command"],
         "scenario": scenario_to_tree(setup.scenario),

@@ -1,6 +1,7 @@
 """Recording one episode as a `Recording`, by playing it again from its seed."""
 
 import itertools
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,36 +16,35 @@ from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.knowledge_record import KnowledgeRecorder
 from mjforage.scenario.debris import item_choices
-from mjforage.scenario.place import Ring
 from mjforage.scenario.vessel_files import hull_names
 
 
 class _Recorder(Observer):
-    """Recorder of the visible state of the first episode of a batch."""
+    """Recorder of the visible state of the first episode of a batch.
+
+    Attributes
+    ----------
+    steps : of every step, by the names of `Recording`
+    """
 
     def __init__(self) -> None:
-        self.agents: list[NDArray[np.float32]] = []
-        self.targets: list[NDArray[np.int32]] = []
-        self.items: list[NDArray[np.float32]] = []
-        self.present: list[NDArray[np.bool_]] = []
-        self.belief: list[NDArray[np.int16]] = []
-        self.idleness: list[NDArray[np.float16]] = []
-        self.in_view: list[NDArray[np.uint8]] = []
+        self.steps: list[dict[str, NDArray[Any]]] = []
 
     def see(self, mission: Mission) -> None:
         state, fleet, first = mission.state, mission.setup.fleet, np.zeros(1, np.int64)
-        grid = mission.setup.graph.grid
-        self.agents.append(state.agent_rc[0].astype(np.float32))
-        told = mission.moves.target if mission.moves else state.agent_node
-        self.targets.append(told[0].astype(np.int32))
-        self.items.append(state.item_rc[0].astype(np.float32))
-        self.present.append(state.item_node[0] >= 0)
-        self.belief.append(grid(mission.knowledge.belief[0]).astype(np.int16))
-        self.idleness.append(grid(mission.idleness(first)[0]).astype(np.float16))
-        by_scouts, by_foragers = (
-            mission.times_seen(team, first)[0] > 0 for team in (fleet.discoverers, fleet.collectors)
-        )
-        self.in_view.append(grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8))
+        grid, told = mission.setup.graph.grid, mission.moves.target if mission.moves else None
+        teams = fleet.discoverers, fleet.collectors
+        by_scouts, by_foragers = (mission.times_seen(team, first)[0] > 0 for team in teams)
+        now = {
+            "agent_rc": state.agent_rc[0].astype(np.float32),
+            "agent_target": (state.agent_node if told is None else told)[0].astype(np.int32),
+            "item_rc": state.item_rc[0].astype(np.float32),
+            "item_present": state.item_node[0] >= 0,
+            "belief": grid(mission.knowledge.belief[0]).astype(np.int16),
+            "idleness": grid(mission.idleness(first)[0]).astype(np.float16),
+            "in_view": grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8),
+        }
+        self.steps.append(now)
 
 
 def record(
@@ -76,8 +76,14 @@ def record(
         mission.run(create_policy(policy), observers)
     choice, frames = setup.scenario.physics, trajectory.frames
     begins = begins_of(setup.scenario, mission.keys)
-    edges = [(*a, *b) for ring in _rings(setup) for a, b in itertools.pairwise(ring)]
+    rings = setup.grid.place.quays if setup.grid.place else ()
+    edges = [(*a, *b) for ring in rings for a, b in itertools.pairwise(ring)]
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
+    seen: dict[str, Any] = {
+        name: np.stack([step[name] for step in recorder.steps]) for name in recorder.steps[0]
+    }
+    if world == "graph":
+        seen["agent_target"] = None
     return Recording(
         navigable=setup.grid.navigable,
         pitch_m=setup.scenario.map.pitch_m,
@@ -86,12 +92,7 @@ def record(
         team_names=setup.fleet.team_names,
         agent_team=setup.fleet.team,
         agent_collects=setup.fleet.collects,
-        agent_rc=np.stack(recorder.agents),
-        item_rc=np.stack(recorder.items),
-        item_present=np.stack(recorder.present),
-        belief=np.stack(recorder.belief),
-        idleness=np.stack(recorder.idleness),
-        in_view=np.stack(recorder.in_view),
+        **seen,
         vessels=hull_names(setup.fleet, choice),
         item_class=classes[0].astype(np.int16),
         frame_s=trajectory.interval_s,
@@ -105,12 +106,6 @@ def record(
         episode=episode,
         t_discovered=mission.ledger.t_discovered[0],
         knowledge=by_agent.record(mission) if by_agent else None,
-        agent_target=None if world == "graph" else np.stack(recorder.targets),
         begins_s=None if begins is None else begins[0].item(),
         quays=np.array(edges, np.float32) if edges else None,
     )
-
-
-def _rings(setup: Setup) -> tuple[Ring, ...]:
-    """Outlines of the land, none if the map has none."""
-    return setup.grid.place.quays if setup.grid.place else ()

@@ -4,7 +4,6 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 
 from mjforage.base.errors import UserError
 from mjforage.base.registry import ImportSpec
@@ -105,11 +104,7 @@ def as_logged(recording: Recording, run: RunFolder) -> bool:
     """
     logged = (
         run.table("agents")
-        .filter(
-            (pl.col("world") == recording.world)
-            & (pl.col("policy") == recording.policy)
-            & (pl.col("episode") == recording.episode)
-        )
+        .filter(world=recording.world, policy=recording.policy, episode=recording.episode)
         .sort("step", "agent")
         .select("x_m", "y_m")
         .to_numpy()

@@ -24,7 +24,8 @@ from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
 TICK_S = 0.1  # between two measurements
-Play = Callable[[list[int]], list[NDArray[Any]]]
+Array = NDArray[Any]
+Play = Callable[[list[int]], list[Array]]
 """Function from numbers of episodes to arrays (episode, ...), one for each step or result."""
 
 
@@ -52,19 +53,19 @@ class PartTrial:
         """Error of a part that fails a check."""
         return ConformanceError(check, f"{self.name} {words}")
 
+    def compare(self, check: str, one: Array, two: Array, before: str, after: str) -> None:
+        """Raise the error of a check, words around the difference, if two arrays differ."""
+        if found := first_difference(one, two):
+            raise self.error(check, f"{before} {found} {after}")
+
 
 def _check_alone(trial: PartTrial, check: str, play: Play) -> None:
     """An episode gives the same alone, in another order and beside others, and again."""
     whole = play([0, 1, 2])
     for episodes in ([0, 1, 2], [2, 0], [1]):
         for step, (one, two) in enumerate(zip(whole, play(episodes), strict=False)):
-            found = first_difference(one[episodes], two)
-            if found:
-                raise trial.error(
-                    check,
-                    f"gave {found} at step {step} for one episode in two batches; let an episode "
-                    "depend on nothing but itself",
-                )
+            why = "for one episode in two batches; let an episode depend on nothing but itself"
+            trial.compare(check, one[episodes], two, "gave", f"at step {step} {why}")
 
 
 def _played(trial: PartTrial, metric: type[Metric], episodes: list[int]) -> Scorer:
@@ -113,23 +114,15 @@ def check_metric_ends(trial: PartTrial) -> None:
         if over.any() and array.size:
             array[over] = array.max()
         setattr(log, name, array)
+    why = "by what arrays hold after an episode's end; leave out steps after batch.log.length"
     for before, after in zip(plain, _scores(scorer, metric), strict=True):
-        found = first_difference(before, after)
-        if found:
-            raise trial.error(
-                "metric_ends",
-                f"gave {found} by what arrays hold after an episode's end; leave out steps after "
-                "batch.log.length",
-            )
+        trial.compare("metric_ends", before, after, "gave", why)
+    why = "after an episode's end; keep its last value"
     for series in plain[1:]:
         last = np.take_along_axis(series, log.length[:, None], axis=1)
         somewhere = ~np.isnan(series).all(axis=0)  # a difference has one step less
-        found = first_difference(np.where(over & somewhere, last, series), series)
-        if found:
-            raise trial.error(
-                "metric_ends",
-                f"has a time series that is {found} after an episode's end; keep its last value",
-            )
+        held = np.where(over & somewhere, last, series)
+        trial.compare("metric_ends", held, series, "has a time series that is", why)
 
 
 def _amounts(
@@ -153,12 +146,8 @@ def check_reward_remembers_nothing(trial: PartTrial) -> None:
     _amounts(trial, [2, 3], terms)
     pairs = zip(_amounts(trial, [0, 1]), _amounts(trial, [0, 1], terms), strict=True)
     for step, (one, two) in enumerate(pairs):
-        found = first_difference(one, two)
-        if found:
-            raise trial.error(
-                "reward_remembers_nothing",
-                f"gave {found} at step {step} fresh and after other episodes; tell all from step",
-            )
+        why = f"at step {step} fresh and after other episodes; tell all from step"
+        trial.compare("reward_remembers_nothing", one, two, "gave", why)
 
 
 def check_reward_alone(trial: PartTrial) -> None:
@@ -203,12 +192,8 @@ def check_observation_twice(trial: PartTrial) -> None:
         rows = np.flatnonzero(mission.active)
         once = {n: v.copy() for n, v in encoder.see(mission.observation, rows).items()}
         for name, level in encoder.see(mission.observation, rows).items():
-            found = first_difference(once[name], level)
-            if found:
-                raise trial.error(
-                    "observation_twice",
-                    f"gave {name} {found} for one step; remember by observation.step",
-                )
+            why = "for one step; remember by observation.step"
+            trial.compare("observation_twice", once[name], level, f"gave {name}", why)
         mission.advance(mission.ask(policy))
 
 
@@ -260,12 +245,8 @@ def check_positioning_restarts(trial: PartTrial) -> None:
     """Episodes after a reset are those of a fresh model."""
     pairs = zip(_measured(trial, [0, 1]), _measured(trial, [0, 1], [2, 3]), strict=True)
     for number, (one, two) in enumerate(pairs):
-        if found := first_difference(one, two):
-            raise trial.error(
-                "positioning_restarts",
-                f"gave {found} at tick {number // 3} fresh and after other episodes; forget the "
-                "rows of reset",
-            )
+        why = f"at tick {number // 3} fresh and after other episodes; forget the rows of reset"
+        trial.compare("positioning_restarts", one, two, "gave", why)
 
 
 METRIC_CHECKS = (check_metric_is_described, check_metric_alone, check_metric_ends)

@@ -6,9 +6,9 @@ column of `steps.parquet` and a curve of the report.
 
 import inspect
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -219,19 +219,9 @@ class Description:
 def description(metric: type[Metric]) -> Description:
     """Description of a metric."""
     words = (inspect.getdoc(metric) or "").partition("\n\n")[0]
-    has = metric.has_series()
-    return Description(
-        metric.key,
-        metric.label,
-        " ".join(words.split()).rstrip("."),
-        metric.unit,
-        metric.better,
-        metric.digits,
-        metric.compared,
-        metric.drawn,
-        metric.series_name() if has else "",
-        (metric.series_label or metric.label) if has else "",
-        metric.top,
-        metric.least,
-        metric.most,
-    )
+    has, own = metric.has_series(), [f.name for f in fields(Description) if hasattr(metric, f.name)]
+    told: dict[str, Any] = {name: getattr(metric, name) for name in own}
+    told["definition"] = " ".join(words.split()).rstrip(".")
+    told["series"] = metric.series_name() if has else ""
+    told["series_label"] = (metric.series_label or metric.label) if has else ""
+    return Description(**told)

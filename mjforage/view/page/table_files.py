@@ -92,7 +92,9 @@ def markdown_text(table: Table) -> str:
         if first.group:
             lines.append(_piped([f"**{_markdown(first.group)}**", *[""] * len(table.columns)]))
         for row in rows:
-            cells = [_marked(cell, place in row.best) for place, cell in enumerate(row.cells)]
+            cells = [*map(_markdown, row.cells)]
+            for place in row.best:
+                cells[place] = f"**{cells[place]}**"
             head = _markdown(row.head)
             lines.append(_piped([f"*{head}*" if row.paper else head, *cells]))
     notes = [_markdown(note) for note in table.notes]
@@ -101,10 +103,6 @@ def markdown_text(table: Table) -> str:
 
 def _piped(cells: Sequence[str]) -> str:
     return f"| {' | '.join(cells)} |"
-
-
-def _marked(cell: str, best: bool) -> str:
-    return f"**{_markdown(cell)}**" if best else _markdown(cell)
 
 
 def _markdown(text: str) -> str:

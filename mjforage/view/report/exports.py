@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -14,12 +15,11 @@ from mjforage.view.page.table_files import FORMATS, write_table
 from mjforage.view.report.run_logs import RunLogs
 from mjforage.view.report.sections import Page
 
-
-def _svg(figure: Figure) -> bytes:
-    return svg_bytes(figure, as_text=True)
-
-
-FIGURES: dict[str, Callable[[Figure], bytes]] = {"pdf": pdf_bytes, "png": png_bytes, "svg": _svg}
+FIGURES: dict[str, Callable[[Figure], bytes]] = {
+    "pdf": pdf_bytes,
+    "png": png_bytes,
+    "svg": partial(svg_bytes, as_text=True),
+}
 """Format and ending of a figure's file -> what draws it; letters are text where they can be."""
 
 
