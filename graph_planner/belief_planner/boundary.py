@@ -81,9 +81,8 @@ def at_boundary(boundary: Boundary, node: int, axis: int) -> bool:
 @kernel
 def settled(boundary: Boundary, row: float, col: float) -> tuple[float, float, int]:
     """A position with its node, moved into the water as the world does it."""
-    return into_water(
-        Water(boundary.framed, boundary.rows, boundary.cols), boundary.walls, row, col
-    )
+    water = Water(boundary.framed, boundary.rows, boundary.cols)
+    return into_water(water, boundary.walls, row, col)
 
 
 @kernel

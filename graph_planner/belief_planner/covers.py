@@ -28,11 +28,8 @@ def landmarks_of(graph: NavigationGraph) -> tuple[Int32Array, Int32Array]:
     """Nodes spread over a map, each the farthest from those before: (landmark,), and the nearest
     one's number for every node: (node,).
     """
-    marks = [
-        int(
-            np.argmin((graph.rows - graph.rows.mean()) ** 2 + (graph.cols - graph.cols.mean()) ** 2)
-        )
-    ]
+    off_middle = (graph.rows - graph.rows.mean()) ** 2 + (graph.cols - graph.cols.mean()) ** 2
+    marks = [int(np.argmin(off_middle))]
     nearest = graph.distances_from(np.array(marks, np.int32)).copy()
     belongs = np.zeros(len(graph), np.int32)
     while len(marks) < min(LANDMARKS, len(graph)):

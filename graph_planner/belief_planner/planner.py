@@ -154,9 +154,8 @@ class BeliefPlanner:
         count, now = int((seen.last_seen[e] >= 0).sum()), int(seen.step[e]) - 1
         if count > self._viewed[e]:
             self._viewed[e], self._news[e] = count, now
-        self._vain[e] |= (
-            now - self._news[e] > PATIENCE or count > MOST_SEEN * seen.last_seen.shape[1]
-        )
+        few_left = count > MOST_SEEN * seen.last_seen.shape[1]
+        self._vain[e] |= few_left or now - self._news[e] > PATIENCE
         return bool(self._vain[e])
 
     def _search(

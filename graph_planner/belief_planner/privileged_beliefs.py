@@ -45,9 +45,8 @@ class PrivilegedBeliefs(Beliefs):
         self._past[e, now] = self._truth.item_node[e]
         self._report(e, now, np.flatnonzero((seen.last_seen[e] == now) & (seen.belief[e] > 0)))
         views, radius_number = self._task.views, self._task.radius_number
-        for (step, agent, node), shown in zip(
-            seen.delayed_scans[e], seen.delayed_shown[e], strict=True
-        ):
+        late = zip(seen.delayed_scans[e], seen.delayed_shown[e], strict=True)
+        for (step, agent, node), shown in late:
             if step >= 0:
                 nodes = views.of(node, int(radius_number[agent]))
                 self._report(e, int(step), nodes[shown[: nodes.size] > 0])

@@ -38,9 +38,7 @@ class Stops(NamedTuple):
 
 def floating(capacity: int) -> Floating:
     """Room for so many items."""
-    return Floating(
-        np.zeros(1, np.int64), np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
-    )
+    return Floating(np.zeros(1, np.int64), *(np.zeros(capacity) for _ in range(3)))
 
 
 def stops(capacity: int, nodes: int) -> Stops:

@@ -213,9 +213,8 @@ def collect(
 def carry(tracks: Tracks, boundary: Boundary, e: int, drift_row: float, drift_col: float) -> None:
     """Let all tracks drift for one step [node/step]."""
     for i in range(tracks.number[e]):
-        row, col, node = drifted(
-            boundary, tracks.row[e, i], tracks.col[e, i], drift_row, drift_col, 1.0
-        )
+        row, col = tracks.row[e, i], tracks.col[e, i]
+        row, col, node = drifted(boundary, row, col, drift_row, drift_col, 1.0)
         tracks.row[e, i], tracks.col[e, i], tracks.node[e, i] = row, col, node
 
 

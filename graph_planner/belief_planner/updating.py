@@ -104,9 +104,8 @@ def remember(
 ) -> None:
     """Keep a view of a step: of agents (look,) at their nodes (look,)."""
     sensors, boundary = store.sensors, store.boundary
-    looking = ms.Looking(
-        at, sensors.radius_number[who], sensors.views, boundary.rows, boundary.cols
-    )
+    radius = sensors.radius_number[who]
+    looking = ms.Looking(at, radius, sensors.views, boundary.rows, boundary.cols)
     ms.look_at(store.history.missed_detections, e, step, last_seen, looking)
     ms.remember(store.history, e, step, last_seen, foragers_at)
 

@@ -31,9 +31,7 @@ STAY = 8
 OFFSETS = np.array(
     [(-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (0, 0)], np.int64
 )  # (move, (row, column)); odd moves are diagonal
-TABLE_LIMIT = (
-    6000  # nodes; an all-pairs table of 6000 nodes takes 144 MB, beyond it a search serves
-)
+TABLE_LIMIT = 6000  # nodes; a table of all pairs then takes 144 MB, beyond it a search serves
 
 
 @kernel

@@ -126,9 +126,8 @@ def node_lists(
         lines = [
             rounded_line(r, c) if line_of_sight else np.zeros((0, 2), np.int64) for r, c in offsets
         ]
-        line_start = np.concatenate(([0], np.cumsum([len(line) for line in lines]))).astype(
-            np.int64
-        )
+        ends = np.cumsum([len(line) for line in lines])
+        line_start = np.concatenate(([0], ends)).astype(np.int64)
         flat = np.concatenate(lines) if lines else np.zeros((0, 2), np.int64)
         cells = (node_of_cell, rows, cols, offsets, line_start, flat)
         _list_nodes(*cells, start[i], np.empty(0, np.int32), False)

@@ -95,9 +95,8 @@ class DecMctsPolicy:
                 raise UserError(f"dec-mcts: {name} {given[name]} is too large; give less than 1")
         check_at_least("dec-mcts", 0, explore=explore, roam=roam)
         check_positive("dec-mcts", heat=heat, trust=trust)
-        self._options = TreeOptions(
-            **{n: kind(given[n]) for n, kind in TreeOptions.__annotations__.items()}
-        )
+        kinds = TreeOptions.__annotations__.items()
+        self._options = TreeOptions(**{name: kind(given[name]) for name, kind in kinds})
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""

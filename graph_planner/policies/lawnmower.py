@@ -27,9 +27,8 @@ def lane_corners(graph: NavigationGraph, spacing: int) -> Int32Array:
     `graph`: the map; `spacing`: rows from lane to lane, 1 or more.
     """
     corners: list[int] = []
-    for lane, row in enumerate(
-        range(min(spacing // 2, graph.shape[0] - 1), graph.shape[0], spacing)
-    ):
+    first = min(spacing // 2, graph.shape[0] - 1)
+    for lane, row in enumerate(range(first, graph.shape[0], spacing)):
         cols = np.flatnonzero(graph.navigable[row])
         if cols.size == 0:
             continue

@@ -156,9 +156,8 @@ class Pictures:
         shown = self.recording(policy, world=world, episode=episode)
         with tempfile.TemporaryDirectory(prefix="mjforage-") as name:
             folder = Path(name)
-            write_bytes(
-                recording_file(folder, shown.world, shown.policy, shown.episode), shown.content()
-            )
+            file = recording_file(folder, shown.world, shown.policy, shown.episode)
+            write_bytes(file, shown.content())
             lead = f"{shown.policy} in world {shown.world}, episode {shown.episode}"
             page = Page(self._info.name, lead, [], self._info.versions.get("mjforage", ""))
             text = page.text(folder, replace(self._logs, folder=folder))

@@ -110,9 +110,8 @@ def _compiled(function: F, inline: str, fastmath: object = False) -> F:
     options: dict[str, Any] = {"fastmath": fastmath, "nogil": True, "inline": inline}
 
     def dispatcher(bare: bool) -> Any:
-        made = cast(Any, numba).njit(**options, no_cpython_wrapper=bare, no_cfunc_wrapper=True)(
-            function
-        )
+        jit = cast(Any, numba).njit(**options, no_cpython_wrapper=bare, no_cfunc_wrapper=True)
+        made = jit(function)
         if hasattr(made, "overloads"):  # not when numba is switched off
             made._cache = KernelCache(made)
             made.compile = made._cache.once(made.compile)

@@ -68,9 +68,7 @@ def schemas(*, out: Annotated[Path | None, FOLDER] = None, pages: Path | None = 
     if pages is not None:
         write_bytes(pages / f"{COMMANDS}.md", commands_page().encode())
     if out is None and pages is None:
-        print_list(
-            (name, words.replace("`", "")) for name, (words, _) in schemas_of_files().items()
-        )
+        print_list((name, words.replace("`", "")) for name, (words, _) in files.items())
 
 
 def schema_text(name: str, schema: Any) -> str:

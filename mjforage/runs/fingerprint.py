@@ -76,9 +76,8 @@ def _our_hash(learning: bool) -> str:
 def our_code(libraries: Iterable[str] = (), learning: bool = False) -> Code:
     """Our code that decides numbers, with its libraries; the training code if asked for."""
     found = {name: _version(name) for name in sorted({*USUAL, *libraries})}
-    return Code(
-        {"mjforage": _our_hash(learning)}, {name: text for name, text in found.items() if text}
-    )
+    versions = {name: text for name, text in found.items() if text}
+    return Code({"mjforage": _our_hash(learning)}, versions)
 
 
 def _version(name: str) -> str:

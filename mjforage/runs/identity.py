@@ -107,10 +107,8 @@ def versions(code: Code) -> dict[str, str]:
 def run_hash(info: Mapping[str, Any]) -> str:
     """Hash of scenario, map, vessels, code and versions: 16 hexadecimal digits."""
     compared = {k: v for k, v in info["versions"].items() if k not in UNCOMPARED}
-    text = canonical_json(
-        [info["scenario"], info["map"], compared, info["code"], info.get("hulls")]
-    )
-    return text_hash(text)
+    own = [info["scenario"], info["map"], compared, info["code"], info.get("hulls")]
+    return text_hash(canonical_json(own))
 
 
 def text_hash(text: str) -> str:
@@ -155,9 +153,8 @@ def _captures(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
     """Capture models of the vessels that collect, if items or a planner go by them."""
     adapted = {world: WORLDS[world].adapt(setup.scenario) for world in worlds}
     by_chance = any(scenario.rules.capture == "calibrated" for scenario in adapted.values())
-    by_mouth = any(
-        adapted[world].physics.capture == "intake" for world in adapted.keys() - {"graph"}
-    )
+    hulls = adapted.keys() - {"graph"}
+    by_mouth = any(adapted[world].physics.capture == "intake" for world in hulls)
     if not by_chance and not by_mouth:
         return {}
     model = load_capture if by_chance else usual_capture

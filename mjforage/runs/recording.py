@@ -32,12 +32,13 @@ class _Recorder(Observer):
 
     def see(self, mission: Mission) -> None:
         state, fleet, first = mission.state, mission.setup.fleet, np.zeros(1, np.int64)
-        grid, told = mission.setup.graph.grid, mission.moves.target if mission.moves else None
+        grid = mission.setup.graph.grid
+        told = mission.moves.target if mission.moves else state.agent_node
         teams = fleet.discoverers, fleet.collectors
         by_scouts, by_foragers = (mission.times_seen(team, first)[0] > 0 for team in teams)
         now = {
             "agent_rc": state.agent_rc[0].astype(np.float32),
-            "agent_target": (state.agent_node if told is None else told)[0].astype(np.int32),
+            "agent_target": told[0].astype(np.int32),
             "item_rc": state.item_rc[0].astype(np.float32),
             "item_present": state.item_node[0] >= 0,
             "belief": grid(mission.knowledge.belief[0]).astype(np.int16),

@@ -86,9 +86,8 @@ def _steps(
 ) -> Columns:
     steps, north = setup.scenario.horizon + 1, north_deg(setup.grid.place)
     forcing = forcing_of(setup, world, log.keys)
-    moments = [
-        forcing.open_water(step * setup.scenario.period_s, gusts=False) for step in range(steps)
-    ]
+    times_s = setup.scenario.period_s * np.arange(steps)
+    moments = [forcing.open_water(time_s, gusts=False) for time_s in times_s.tolist()]
     wind, current = (np.stack(each, axis=1).reshape(-1, 2) for each in zip(*moments, strict=True))
     columns: Columns = {
         "episode": np.repeat(episodes, steps),

@@ -91,10 +91,8 @@ def benchmark_tasks(
 
     Raises `UserError` as `task_of_scenario` and `task_on_map`, or if two are the same.
     """
-    named = scenarios or USUAL
-    found = [task_of_scenario(one, overrides) for one in named] + [
-        task_on_map(one, overrides) for one in maps
-    ]
+    found = [task_of_scenario(one, overrides) for one in scenarios or USUAL]
+    found += [task_on_map(one, overrides) for one in maps]
     names = [one.name for one in found]
     for name in names:
         if names.count(name) > 1:

@@ -62,9 +62,8 @@ def _data_uri(kind: str, content: bytes) -> str:
 
 def _shown(picture: ReportFigure, source: str) -> EmbeddedFigure:
     width, height = (round(96 * size) for size in picture.figure.get_size_inches())
-    return EmbeddedFigure(
-        picture.name, picture.title, picture.caption, source, picture.wide, width, height
-    )
+    words = picture.name, picture.title, picture.caption
+    return EmbeddedFigure(*words, source, picture.wide, width, height)
 
 
 def render_page(name: str, version: str, content: dict[str, Any]) -> str:

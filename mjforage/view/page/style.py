@@ -174,9 +174,8 @@ def policy_styles(policies: Sequence[str]) -> dict[str, PolicyStyle]:
             cycle = FALLBACK_COLOURS[first:] + FALLBACK_COLOURS[:first]
             colour = next((c for c in cycle if c not in taken), colour)
         taken.add(colour)
-        result[name] = PolicyStyle(
-            colour, shapes.get(name) or (left.pop(0) if left else MARKERS[0])
-        )
+        marker = shapes.get(name) or (left.pop(0) if left else MARKERS[0])
+        result[name] = PolicyStyle(colour, marker)
     return result
 
 

@@ -95,9 +95,8 @@ class FilmFrame:
     def frame(self, time: float) -> Image:
         """Draw `time` [step]; an episode that is over stays at its end."""
         image, layout, u = self._blank.copy(), self._layout, self._layout.unit
-        for number, (recording, picture) in enumerate(
-            zip(self._recordings, self._pictures, strict=True)
-        ):
+        shown = zip(self._recordings, self._pictures, strict=True)
+        for number, (recording, picture) in enumerate(shown):
             timeline = self._timelines[number]
             now = min(time, float(timeline.length))
             _put(image, layout.pictures[number], picture.picture(now))
@@ -167,7 +166,6 @@ def check_beside(first: Recording, second: Recording) -> None:
     alike = ("world", "episode", "seed", "period_s", "pitch_m", "vessels", "team_names")
     arrays = ("navigable", "agent_team", "agent_collects", "item_class")
     same = all(getattr(first, name) == getattr(second, name) for name in alike)
-    if not same or not all(
-        np.array_equal(getattr(first, name), getattr(second, name)) for name in arrays
-    ):
+    equal = (np.array_equal(getattr(first, name), getattr(second, name)) for name in arrays)
+    if not same or not all(equal):
         raise UserError(f"beside {second.policy}: is not the same episode; play both from one run")

@@ -64,9 +64,8 @@ def fields_at(recording: Recording, step: int) -> Field:
     Distances are negative inside and at most `_REACH`. Land takes the value of the nearest water;
     idleness and the wide views of scouts are smoothed.
     """
-    nearest = ndimage.distance_transform_edt(
-        ~recording.navigable, return_distances=False, return_indices=True
-    )
+    land = ~recording.navigable
+    nearest = ndimage.distance_transform_edt(land, return_distances=False, return_indices=True)
     view = recording.in_view[step][tuple(nearest)]
     idleness = recording.idleness[step].astype(np.float32)[tuple(nearest)]
     scouts, foragers = (_edge_distance((view & bit) != 0) for bit in (SCOUT_VIEW, FORAGER_VIEW))

@@ -87,9 +87,8 @@ def frame_layout(
         else min(beside / shape, height) >= min(width / shape, below)
     )
     if episodes == 1 and wide:
-        return _column(
-            Box(0, 0, column, height), Box(column, 0, width, height), unit, signs, charted
-        )
+        panel, picture = Box(0, 0, column, height), Box(column, 0, width, height)
+        return _column(panel, picture, unit, signs, charted)
     return _strip(width, height, episodes, unit, charted)
 
 

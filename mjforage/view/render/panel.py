@@ -189,9 +189,8 @@ def paint_notes(image: Image, box: Box, unit: float, state: PanelState) -> None:
     if speed > 0.0:
         toward = state.north_rad + math.atan2(east, north)
         dart = 0.35 * radius * symbols.turned(_ARROW, toward)
-        paint_polygon(
-            image, at - 1.45 * radius * symbols.turned(_UP, toward) + dart, *_CRISP, _WIND
-        )
+        dart = at - 1.45 * radius * symbols.turned(_UP, toward) + dart
+        paint_polygon(image, dart, *_CRISP, _WIND)
     x, up = at + (radius + 8.0 * unit) * symbols.turned(_UP, state.north_rad)
     size = text_size(unit, 11)
     write(image, "N", x, up + 4 * unit, size, bold=True, colour=WHITE, align="middle")

@@ -36,9 +36,7 @@ class Sheet:
         """An empty sheet, its texels `finest_m` or as fine as `MOST_TEXELS` allow."""
         longer = max(area.east - area.west, area.north - area.south)
         texel_m = max(finest_m, longer / MOST_TEXELS)
-        west, south = (
-            float(np.floor(edge / texel_m) * texel_m) for edge in (area.west, area.south)
-        )
+        west, south = (np.floor(np.array((area.west, area.south)) / texel_m) * texel_m).tolist()
         rows, columns = np.ceil(np.array((area.north - south, area.east - west)) / texel_m)
         return cls(np.zeros((int(rows), int(columns), 5), np.uint8), west, south, texel_m)
 

@@ -115,9 +115,8 @@ def paint_believed(
 ) -> None:
     """Fill nodes (n, 2) [pixel] where `count` items are believed, the darker the more."""
     half = 0.5 * side
-    for (x, y), colour, cover in zip(
-        points, palette.belief_shades(count, most), alpha, strict=True
-    ):
+    shades = palette.belief_shades(count, most)
+    for (x, y), colour, cover in zip(points, shades, alpha, strict=True):
         box = (x - half, y - half, x + half, y + half)
         paint_box(image, box, 0.0, 0.0, 0.9 * float(cover), tuple(colour.tolist()))
 

@@ -82,7 +82,6 @@ class Track:
         last = len(values) - 1
         place = np.clip(np.asarray(times_s) / self.frame_s, 0.0, last)
         before = place.astype(np.int64)
-        first, second = (
-            values[k].astype(np.float64) for k in (before, np.minimum(before + 1, last))
-        )
+        after = np.minimum(before + 1, last)
+        first, second = (values[k].astype(np.float64) for k in (before, after))
         return first, second, (place - before)[..., None, None]

@@ -126,9 +126,8 @@ def report_page(logs: RunLogs, shown: RunLogs, pictures: Sequence[ReportFigure])
     headline = headline_table(shown if len(logs.cases) > CASES else logs)
     notes = " ".join(filter(None, (left_out(logs, shown), too_few(run.episodes))))
     gap = [one for one in pictures if one.name == "gap"]
-    wide, narrow = (
-        [one for one in pictures if one.wide is w and one not in gap] for w in (True, False)
-    )
+    others = [one for one in pictures if one not in gap]
+    wide, narrow = ([one for one in others if one.wide is w] for w in (True, False))
     sections = [
         Section("result", "Result in brief", notes, [headline, clearing_table(shown)]),
         Section("run", "What was run", facts=run_facts(logs), texts={"Command": run.command}),

@@ -185,9 +185,8 @@ def terminal_table(
     def defined(key: str) -> bool:
         return any(parsed[world][policy].get(key, UNDEFINED).n for world, policy in cases)
 
-    metrics = [
-        describe(key) for key in (filter(defined, LINKED) if defined("handover") else TERMINAL)
-    ]
+    keys = filter(defined, LINKED) if defined("handover") else TERMINAL
+    metrics = [describe(key) for key in keys]
     title = f"mean, 95 % interval; {ROUGH}: fewer than {FEW} episodes, it covers less often"
     title += "\n(below a policy): what it is told of the items" if told else ""
     table = _titled(title)

@@ -27,9 +27,8 @@ def contribution(
     logs: StudyLogs, team: str, world: str, policy: str, key: str
 ) -> tuple[FloatArray, int]:
     """Marginal Contribution of one agent of a team, as `paired_contribution`, with its digits."""
-    full, without = (
-        logs.case(variant, world, policy).values(key) for variant in (COMPLETE, lesser_name(team))
-    )
+    names = COMPLETE, lesser_name(team)
+    full, without = (logs.case(name, world, policy).values(key) for name in names)
     higher = describe(key).better > 0
     return paired_contribution(full, without, higher_is_better=higher), DIGITS
 
@@ -50,9 +49,8 @@ def setups_table(logs: StudyLogs) -> Table:
                 team = variant.removesuffix(lesser_name(""))
                 found = known.printed.mean if variant == COMPLETE else known.ablated[team]
                 head, about = f"paper{elsewhere(logs.base)}", {"group": group}
-                rows.append(
-                    printed_row(head, [(found.get(m.key), m.digits) for m in metrics], **about)
-                )
+                theirs = [(found.get(metric.key), metric.digits) for metric in metrics]
+                rows.append(printed_row(head, theirs, **about))
     notes = [f"{INTERVAL}."]
     if any(one.paper for one in rows):
         notes.append(
