@@ -67,8 +67,6 @@ def make_place(
         raise UserError(f"place {path}: {how} ({len(points)} given)")
     made = _of_image(path, layout, choice, points) if image else _of_outlines(path, layout, choice)
     place, shares, water, depths, remarks, own = made
-    if layout.crop is not None and place.rotation_deg % 90.0:
-        remarks = [*remarks, _turned_crop(place, layout)]
     place = replace(
         place,
         share=layout.share,
@@ -92,31 +90,36 @@ def _of_image(path: Path, layout: Layout, choice: Choice, points: Sequence[Point
     fine, side = _fine(place), (place.rows, place.columns)
     rows, columns = ((np.arange(n * fine) + 0.5) / fine - 0.5 for n in side)
     cells = np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1)
-    return place, known.sampled(pixels, place.latlon(cells)).astype(float), None, None, [], ""
+    shares = known.sampled(pixels, place.latlon(cells)).astype(float)
+    return place, shares, None, None, _turned_crop(place, layout.crop), ""
 
 
 def _of_outlines(path: Path, layout: Layout, choice: Choice) -> _Made:
     import shapely
 
     outlines = read_outlines(path, layout.crop and _wider(layout.crop))
-    west, south, east, north = shapely.total_bounds(outlines.shapes)
-    span = _corners(layout.crop or (west, south, east, north))
+    crop = layout.crop or outlines.bounds
+    west, south, east, north = crop or shapely.total_bounds(outlines.shapes)
+    span = _corners((west, south, east, north))
     if layout.rotation_deg is None:
         flat = _placed(span, 0.0, layout)
         turned = _along_shore(_framed(outlines.shapes, flat), _box(flat))
     else:
         turned = layout.rotation_deg
-    if layout.crop is None:
+    if crop is None:
         span = shapely.get_coordinates(outlines.shapes)
-    place = _placed(span, turned, layout, margin=int(layout.crop is None))
+    place = _placed(span, turned, layout, margin=int(crop is None))
     box = _box(place)
     with np.errstate(invalid="ignore"):
-        shapes = shapely.make_valid(_framed(outlines.shapes, place))
+        shapes = _framed(outlines.shapes, place)
+        damaged = ~shapely.is_valid(shapes)  # the others keep their sense
+        shapes[damaged] = shapely.make_valid(shapes[damaged])
     there = np.flatnonzero(shapely.intersects(shapes, box)).tolist()
     outlines = replace(outlines, tags=[outlines.tags[i] for i in there])
     water, depths, remarks = water_of(outlines, shapes[there], choice, box)
     if water.is_empty:
         raise UserError(f"place {path}: has no water there; give another --crop, --water or --land")
+    remarks += _turned_crop(place, crop)
     shares = water_shares(water, place.rows, place.columns, place.pitch_m, _fine(place))
     return place, shares, water, depths, remarks, outlines.licence
 
@@ -280,17 +283,18 @@ def _wider(box: Box) -> Box:
     return west - more / stretch, south - more, east + more / stretch, north + more
 
 
-def _turned_crop(place: Place, layout: Layout) -> str:
+def _turned_crop(place: Place, crop: Box | None) -> list[str]:
     """Remark on a crop that a rotated grid reaches beyond."""
-    assert layout.crop is not None
-    flat = _placed(_corners(layout.crop), 0.0, layout)
+    if crop is None or not place.rotation_deg % 90.0:
+        return []
+    flat = _placed(_corners(crop), 0.0, Layout(place.pitch_m))
     (wide, tall), (width, height) = (
         (one.columns * one.pitch_m, one.rows * one.pitch_m) for one in (place, flat)
     )
-    return (
+    return [
         f"crop: the grid, turned by {place.rotation_deg:.4g} degrees, is {wide:g} x {tall:g} m and "
         f"holds all of the crop's {width:g} x {height:g} m and what is beside it"
-    )
+    ]
 
 
 def _sha256(path: Path) -> str:

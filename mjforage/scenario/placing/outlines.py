@@ -14,6 +14,7 @@ from mjforage.base.errors import UserError
 
 Box = tuple[float, float, float, float]  # west, south, east, north [deg]
 _HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')  # OpenStreetMap's other_tags
+_INDEX = "OSM_USE_CUSTOM_INDEXING"  # option of GDAL, which tells to take the other in its errors
 _NO_MAP = ("DSID", "C_", "M_")  # layers of S-57 about the chart itself
 
 
@@ -27,12 +28,14 @@ class Outlines:
     tags : of each feature, its attributes as texts, and ``layer``
     kind : "osm", "s57" or "plain"
     licence : what the format says of it, or nothing
+    bounds : box that an extract of OpenStreetMap says it is of, which its ways may leave, if any
     """
 
     shapes: NDArray[np.object_]
     tags: Sequence[dict[str, str]]
     kind: str
     licence: str
+    bounds: Box | None
 
 
 def read_outlines(path: Path, box: Box | None) -> Outlines:
@@ -43,27 +46,46 @@ def read_outlines(path: Path, box: Box | None) -> Outlines:
     UserError
         If GDAL cannot read the file, or it has no features there or no coordinate system.
     """
-    from pyogrio import list_layers
-
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of features that are damaged: they have no geometry
-            layers = {str(name): kind for name, kind in list_layers(path)}
-            kind = _kind(path, layers)
-            drawn = [name for name in layers if layers[name] and not _apart(name, kind)]
-            parts = [_layer(path, name, box) for name in drawn]
-            licence = _licence(path, kind, layers)
+            return _read(path, box)
     except (RuntimeError, OSError) as error:  # as all of pyogrio are
         words = " ".join(str(error).split())
         raise UserError(
             f"place {path}: cannot be read ({words}); give GeoJSON, GeoPackage, a Shapefile, "
-            ".osm.pbf, an S-57 cell (.000) or an image"
+            ".osm.pbf with each number once, an S-57 cell (.000) or an image"
         ) from error
+
+
+def _read(path: Path, box: Box | None, index: bool = True) -> Outlines:
+    """As `read_outlines`, with errors of pyogrio.
+
+    Parameters
+    ----------
+    index : numbers of nodes ascend and are above 0, as in extracts but not in files of editors
+    """
+    from pyogrio import list_layers, read_info, set_gdal_config_options
+
+    layers = {str(name): kind for name, kind in list_layers(path)}
+    kind = _kind(path, layers)
+    drawn = [name for name in layers if layers[name] and not _apart(name, kind)]
+    bounds = read_info(path, layer=drawn[0])["total_bounds"] if kind == "osm" else None
+    set_gdal_config_options({_INDEX: index})
+    try:
+        parts = [_layer(path, name, box or bounds) for name in drawn]
+    except (RuntimeError, OSError) as error:
+        if not index or _INDEX not in str(error):
+            raise
+        return _read(path, box, index=False)
+    finally:
+        set_gdal_config_options({_INDEX: None})
     shapes = np.concatenate([part[0] for part in parts]) if parts else np.empty(0, object)
     if not shapes.size:
         where = f" in the crop {box}" if box else ""
         raise UserError(f"place {path}: has no features{where}; give a file or crop with some")
-    return Outlines(shapes, [tag for part in parts for tag in part[1]], kind, licence)
+    tags, licence = [tag for part in parts for tag in part[1]], _licence(path, kind, layers)
+    return Outlines(shapes, tags, kind, licence, bounds)
 
 
 def _kind(path: Path, layers: Collection[str]) -> str:
@@ -130,7 +152,7 @@ def _layer(
 
 def _tags(layer: str, names: Sequence[str], values: Sequence[Any]) -> dict[str, str]:
     """Attributes of a feature as texts; whole numbers without a point, absent ones left out."""
-    tags = {"layer": layer}
+    tags: dict[str, str] = {}
     for name, value in zip(names, values, strict=True):
         if isinstance(value, np.ndarray | list):
             value = ",".join(map(str, value))
@@ -141,4 +163,4 @@ def _tags(layer: str, names: Sequence[str], values: Sequence[Any]) -> dict[str, 
             tags |= dict(_HSTORE.findall(text))
         elif text:
             tags[name] = text
-    return tags
+    return {"layer": layer} | tags | {"layer": layer}  # whatever a tag of that name says

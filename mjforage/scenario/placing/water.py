@@ -1,4 +1,4 @@
-"""The water among outlines: which features are water and land, widths of lines, and coastlines."""
+"""The water among outlines: which features are water and land, and widths of lines."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
+from mjforage.scenario.placing.coast import Shapes, coastlines, seaward
 from mjforage.scenario.placing.outlines import Outlines
 
-Shapes = NDArray[np.object_]
 Rule = tuple[str, str]  # key and value of a tag; any value if empty
 WATER: Mapping[str, Sequence[Rule]] = {
     "s57": [("layer", "DEPARE"), ("layer", "DRGARE")],
@@ -29,17 +29,20 @@ LAND: Mapping[str, Sequence[Rule]] = {
     ],
     "osm": [
         *(("man_made", "pier"), ("man_made", "breakwater"), ("man_made", "groyne")),
-        *(("man_made", "quay"), ("natural", "coastline"), ("place", "island")),
-        *(("place", "islet"), ("waterway", "dam"), ("waterway", "lock_gate")),
+        *(("man_made", "quay"), ("man_made", "pontoon"), ("man_made", "jetty")),
+        *(("man_made", "mole"), ("bridge:support", ""), ("natural", "coastline")),
+        *(("place", "island"), ("place", "islet"), ("waterway", "dam")),
+        ("waterway", "lock_gate"),
     ],
 }
+_BAY = ("bay", "strait")  # natural=... of parts of the sea, whose outlines need not follow a coast
+_ISLAND = ("island", "islet")  # place=... of ground on which there may be lakes and docks
 WIDTH_M = {
     "breakwater": 6.0,
     "mole": 8.0,
     "promenade pier": 6.0,
 } | dict.fromkeys(("groyne", "quay", "wharf", "training wall", "dam"), 3.0)
 _SLIT_M = 0.05
-_VOTE_M = 5.0  # of a coastline, that says on which side of it there is water
 PIER_M = 2.0  # of piers, pontoons, and all lines that have no width of their own
 _CATSLC = dict(
     zip(
@@ -91,13 +94,21 @@ def water_of(
     """
     import shapely
 
-    tags, kind = outlines.tags, outlines.kind
+    tags, kind, shapes = outlines.tags, outlines.kind, shapes.copy()
     kinds = "osm" if kind == "plain" else kind
     names = np.array([_type(shape) for shape in shapes])
     is_water = _fit(tags, choice.water, "--water", WATER[kinds])
     is_land = _fit(tags, choice.land, "--land", LAND[kinds])
-    coast = np.array([tag.get("natural") == "coastline" for tag in tags]) & (names == "line")
-    remarks = []
+    for i in np.flatnonzero(is_water & (names == "line")).tolist():
+        if shapely.is_closed(shapes[i]) and len(shapely.get_coordinates(shapes[i])) > 3:
+            shapes[i], names[i] = shapely.make_valid(shapely.Polygon(shapes[i])), "area"
+    natural = np.array([tag.get("natural", "") for tag in tags])
+    coast = (natural == "coastline") & (names != "point")
+    if choice.water:
+        coast &= names == "line"
+    elif coast.any():
+        is_water &= ~np.isin(natural, _BAY)
+    remarks: list[str] = []
     if not (is_water | is_land).any():
         if kind != "plain" or not (names == "area").any():
             raise UserError(
@@ -114,18 +125,36 @@ def water_of(
     is_land &= (names != "point") & ~coast & ~under
     if shallow.any():
         remarks.append(f"{shallow.sum()} depth areas are shallower than --min-depth, and land")
-    sea = _seaward(shapes[coast], box, remarks) if coast.any() and not choice.water else None
-    waters = [*shapes[is_water], *([sea] if sea is not None else [])]
-    solid = [*shapes[is_land & (names == "area")], *_wide(shapes, tags, is_land, choice, remarks)]
-    if not waters and (choice.water or kind == "s57" or not solid):
+    areas = is_land & (names == "area")
+    ground = areas & np.array([tag.get("place") in _ISLAND for tag in tags])
+    solid = [*shapes[areas & ~ground], *_wide(shapes, tags, is_land, choice, remarks)]
+    sea = shapely.MultiPolygon()
+    if coast.any() and not choice.water:
+        lines = coastlines(shapes[coast], [tags[i] for i in np.flatnonzero(coast).tolist()])
+        sea = seaward(lines, box, remarks)
+    waters, known = shapes[is_water], is_water.any() or (coast.any() and not choice.water)
+    if not known and (choice.water or kind == "s57" or not (solid or ground.any())):
         raise UserError("place: no polygon is water there; give another crop, --water, --min-depth")
-    if not waters:
+    if not known:
         remarks.append("no polygon of water and no coastline: all that is not land taken for water")
-    water = _closed(shapely.union_all(waters)) if waters else box
+    water = _closed(shapely.union_all([*waters, sea])) if known else box
+    islands = shapely.union_all(_without_lakes(shapes[ground], waters))
+    water = shapely.difference(water, shapely.difference(islands, sea))  # coasts tell more of it
     water = shapely.intersection(shapely.difference(water, shapely.union_all(solid)), box)
     remarks += _dropped(tags, names, ~(is_water | is_land | coast | shallow))
     deep = is_water & np.isfinite(depth_m)
     return _areas(water), (shapes[deep], depth_m[deep]), remarks
+
+
+def _without_lakes(islands: Shapes, waters: Shapes) -> list[Any]:
+    """Islands without the waters that are smaller than they: those on them, not those around."""
+    import shapely
+
+    size = shapely.area(waters)
+    return [
+        shapely.difference(one, shapely.union_all(waters[size < shapely.area(one)]))
+        for one in islands
+    ]
 
 
 def _closed(water: Any) -> Any:
@@ -211,8 +240,10 @@ def _wide(
         shape, tag = shapes[i], tags[i]
         if shape.geom_type not in _LINE:
             continue
-        if shapely.is_closed(shape) and shape.geom_type == "LineString":
+        if shapely.is_closed(shape) and shape.geom_type == "LineString" and len(shape.coords) > 3:
             yield shapely.make_valid(shapely.Polygon(shape))
+            if "man_made" in tag and tag.get("area") != "no":
+                continue  # an outline, of no width
         name = tag.get("man_made") or _CATSLC.get(tag.get("CATSLC", ""), "") or tag["layer"]
         width = choice.pier_width_m or _number(tag.get("width")) or WIDTH_M.get(name, PIER_M)
         told[name, width] += 1
@@ -233,33 +264,6 @@ def _metres(text: str | None) -> float:
         return float((text or "nan").removesuffix("m").strip())
     except ValueError:
         return float("nan")
-
-
-def _seaward(lines: Shapes, box: Any, remarks: list[str]) -> Any:
-    """Faces of a box to the right of coastlines, where OpenStreetMap has the water."""
-    import shapely
-
-    net = shapely.union_all([*lines, shapely.boundary(box)])
-    faces = np.array(shapely.get_parts(shapely.polygonize([*shapely.get_parts(net)])))
-    parts = shapely.get_parts(shapely.segmentize(lines, _VOTE_M))
-    ends = [shapely.get_coordinates(part) for part in parts]
-    start, end = (np.concatenate([xy[cut] for xy in ends]) for cut in (slice(-1), slice(1, None)))
-    way = end - start
-    length = np.hypot(*way.T)
-    start, way, length = start[length > 0], way[length > 0], length[length > 0]
-    off = np.stack((way[:, 1], -way[:, 0]), axis=-1) / length[:, None] * 0.01  # to the right [m]
-    votes, tree = np.zeros((2, len(faces))), shapely.STRtree(faces)
-    for side, sign in enumerate((1.0, -1.0)):
-        points = shapely.points(start + 0.5 * way + sign * off)
-        which, face = tree.query(points, predicate="within")
-        np.add.at(votes[side], face, length[which])
-    sea, land = votes
-    if (torn := (np.minimum(sea, land) > 0.2 * np.maximum(sea, land))).any():
-        remarks.append(
-            f"{torn.sum()} faces have coastlines of both senses, perhaps for one that ends inside "
-            "the crop; look at harbour.png, and give a crop that all coastlines leave"
-        )
-    return shapely.union_all(faces[sea > land])
 
 
 def _dropped(

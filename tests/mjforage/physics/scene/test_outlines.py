@@ -44,29 +44,43 @@ def direction(degrees: float) -> NDArray[np.float64]:
 def pushed(
     scene: Scene, degrees: float, face_m: float, integrator: Integrator
 ) -> NDArray[np.float64]:
-    """(tick, 5) way along and off the quay [m], turn [rad], force along and off it [N] of a hull.
-
-    It lies alongside, goes ahead with half its thrust, and a wind sets it onto the quay.
+    """Slide of a hull that lies alongside, goes ahead with half its thrust, in an onshore wind.
 
     Parameters
     ----------
     face_m : of the quay, from the middle
+
+    Returns
+    -------
+    (tick, 9) turn [rad], then along and off the quay: way [m], speed [m/s], and sampled at the end
+    of the tick the force of the quay and that of wind, water and thrust [N]
     """
     simulation = Simulation(scene, integrator=integrator, items=0)
-    way, out = direction(degrees), direction(degrees + 90.0)
-    start = MIDDLE - 14.0 * way + (face_m + 0.5 * FORAGER.beam_m + 0.03) * out
+    axes = np.array([direction(degrees), direction(degrees + 90.0)])
+    start = MIDDLE + np.array([-14.0, face_m + 0.5 * FORAGER.beam_m + 0.03]) @ axes
     yaw = math.radians(degrees)
     simulation.place_vessels(np.array([[[*start, yaw]]]))
-    simulation.vessel_wind[:] = -15.0 * out
+    simulation.vessel_wind[:] = -15.0 * axes[1]
     simulation.commands[:] = 0.8 * FORAGER.thruster.command_range[1]
+    names = ("qvel", "qfrc_constraint", "qfrc_passive")
     found = []
     for _ in range(round(PUSH_S / simulation.step_s)):
         simulation.step()
         x, y, turned = simulation.vessel_pose[0, 0]
-        off = np.array([x, y]) - MIDDLE
-        force = simulation.engine.bind("qfrc_constraint")[0, :2]
-        found.append((off @ way, off @ out - face_m, turned - yaw, force @ way, force @ out))
+        way = axes @ (np.array([x, y]) - MIDDLE) - [0.0, face_m]
+        rest = [axes @ simulation.engine.bind(name)[0, :2] for name in names]
+        found.append([turned - yaw, *way, *np.concatenate(rest)])
     return np.array(found)
+
+
+def of_momentum(slide: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean force of the quay along and off it in two thirds of a slide [N]: the change of momentum
+    without the impulse of wind, water and thrust.
+    """
+    added = FORAGER.added_mass_surge_kg, FORAGER.added_mass_sway_kg
+    gained = (FORAGER.mass_kg + np.array(added)) * (slide[-1, 3:5] - slide[0, 3:5])
+    found: NDArray[np.float64] = gained / (2.0 / 3.0 * PUSH_S) - slide[:, 7:].mean(axis=0)
+    return found
 
 
 @pytest.mark.parametrize("integrator", Integrator)
@@ -76,21 +90,23 @@ def test_a_hull_slides_along_a_slanted_quay_as_along_a_straight_one(
 ) -> None:
     """As along cells: the same way within 1 %, no turn, forces within 3 %.
 
-    The reference's contacts rattle, at joints in another rhythm: there, samples of the force at the
-    end of steps have another mean than its integral, which the way and the gap tell.
+    The reference's contacts open and close in its steps of 20 ms, and a sample is of the last of
+    four stages: samples have a third less than the momentum says, and another mean at joints.
     """
     cells = build_scene([FORAGER], navigable=LAND, pitch_m=PITCH_M, items=2)
     straight = pushed(cells, 0.0, 0.0, integrator)
     found = pushed(slanted(degrees, edges), degrees, WALL_M, integrator)
-    went, goes = straight[-1, 0] - straight[0, 0], found[-1, 0] - found[0, 0]
+    went, goes = straight[-1, 1] - straight[0, 1], found[-1, 1] - found[0, 1]
     assert went > 10.0
     assert goes == pytest.approx(went, rel=0.01)
-    np.testing.assert_allclose(found[:, 1:3], straight[:, 1:3], atol=0.01)
-    if integrator is Integrator.REFERENCE and edges > 1:
-        return
-    lately = slice(len(found) // 3, None)
-    forces = found[lately, 3:].mean(axis=0), straight[lately, 3:].mean(axis=0)
-    np.testing.assert_allclose(*forces, rtol=0.03)
+    np.testing.assert_allclose(found[:, [0, 2]], straight[:, [0, 2]], atol=0.01)
+    lately, before = found[len(found) // 3 :], straight[len(found) // 3 :]
+    np.testing.assert_allclose(of_momentum(lately), of_momentum(before), rtol=0.03)
+    assert of_momentum(lately)[1] > 100.0
+    if integrator is Integrator.FAST:
+        forces = lately[:, 5:7].mean(axis=0)
+        np.testing.assert_allclose(forces, before[:, 5:7].mean(axis=0), rtol=0.03)
+        np.testing.assert_allclose(of_momentum(lately), forces, rtol=0.003)
 
 
 @pytest.mark.parametrize("integrator", Integrator)

@@ -4,8 +4,10 @@ import json
 import struct
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import shapely
@@ -23,8 +25,12 @@ ABOUT = f"+proj=aeqd +lat_0={LAT} +lon_0={LON} +datum=WGS84 +units=m"
 
 def on_globe(shape: Any, crs: str = "EPSG:4326") -> Any:
     """A shape in metres east and north of the point, in another system."""
-    onto = Transformer.from_crs(ABOUT, crs, always_xy=True)
-    return shapely.transform(shape, lambda xy: np.stack(onto.transform(*xy.T), axis=-1))
+    return shapely.transform(shape, lambda xy: np.stack(_onto(crs).transform(*xy.T), axis=-1))
+
+
+@cache
+def _onto(crs: str) -> Any:
+    return Transformer.from_crs(ABOUT, crs, always_xy=True)
 
 
 def box_deg(half_m: float) -> tuple[float, float, float, float]:
@@ -133,4 +139,53 @@ def osm_pbf(path: Path, ways: Features) -> Path:
     block = _field(1, table) + _field(2, _field(2, dense)) + _field(2, groups)
     head = _field(4, b"OsmSchema-V0.6") + _field(4, b"DenseNodes")
     path.write_bytes(_blob(b"OSMHeader", head) + _blob(b"OSMData", block))
+    return path
+
+
+def osm_xml(path: Path, features: Features, within: Any = None, more: str = "") -> Path:
+    """Write lines and polygons as OpenStreetMap's XML, rings of polygons with holes in two ways.
+
+    Parameters
+    ----------
+    within : box outside of which nodes are left out, as in an extract that cuts ways; None: none is
+    more : XML of relations
+    """
+    text, number = {"node": "", "way": "", "relation": more}, 0
+
+    def tagged(kind: str, inside: str, tags: Mapping[str, str]) -> int:
+        nonlocal number
+        number += 1
+        words = "".join(f"<tag k={quoteattr(k)} v={quoteattr(v)}/>" for k, v in tags.items())
+        text[kind] += f'<{kind} id="{number}" version="1">{inside}{words}</{kind}>\n'
+        return number
+
+    def way(line: Any, tags: Mapping[str, str]) -> int:
+        nonlocal number
+        nodes = []
+        for x, y in shapely.get_coordinates(line):
+            lon, lat = on_globe(shapely.Point(x, y)).coords[0]
+            where = f"{lat:.9f}", f"{lon:.9f}"
+            if where not in known:
+                number += 1
+                known[where] = number
+                if within is None or within.covers(shapely.Point(x, y)):
+                    at = f'lat="{where[0]}" lon="{where[1]}"'
+                    text["node"] += f'<node id="{number}" version="1" {at}/>\n'
+            nodes.append(known[where])
+        return tagged("way", "".join(f'<nd ref="{one}"/>' for one in nodes), tags)
+
+    known: dict[tuple[str, str], int] = {}
+    for shape, tags in features:
+        if shape.geom_type != "Polygon" or not shape.interiors:
+            way(shape.exterior if shape.geom_type == "Polygon" else shape, tags)
+            continue
+        members = ""
+        for role, ring in zip(("outer", *["inner"] * 9), shapely.get_rings(shape), strict=False):
+            xy, half = shapely.get_coordinates(ring), len(ring.coords) // 2
+            for part in (xy[: half + 1], xy[half:]):
+                one = way(shapely.LineString(part), {})
+                members += f'<member type="way" ref="{one}" role="{role}"/>'
+        tagged("relation", members, {"type": "multipolygon", **tags})
+    content = f"<?xml version='1.0' encoding='UTF-8'?>\n<osm version='0.6'>{''.join(text.values())}"
+    path.write_text(f"{content}</osm>", encoding="utf-8")
     return path

@@ -180,9 +180,8 @@ WET = [(-90, 20), (90, -20), (-50, -70), (10, 0)]
 DRY = [(-90, 50), (90, 0), (-50, -50), (0, 0)]
 
 
-def test_a_coastline_that_ends_in_the_crop_is_told(tmp_path: Path) -> None:
-    ends = shapely.LineString([(300, 0), (-50, 0)])
-    other = shapely.LineString([(-300, 40), (300, 40)])
-    tags = {"natural": "coastline"}
-    path = osm_pbf(tmp_path / "torn.osm.pbf", [(ends, tags), (other, tags)])
+def test_coastlines_of_both_senses_are_told(tmp_path: Path) -> None:
+    lines = [[(-300, 0), (300, 0)], [(-300, 40), (300, 40)]]
+    coast = [(shapely.LineString(line), {"natural": "coastline"}) for line in lines]
+    path = osm_pbf(tmp_path / "torn.osm.pbf", coast)
     assert told(made(path, crop=box_deg(100.0)), "coastlines of both senses")
