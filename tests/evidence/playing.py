@@ -4,7 +4,6 @@ import hashlib
 import importlib
 import json
 import shlex
-import sys
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +12,7 @@ from unittest.mock import patch
 
 from numpy.typing import NDArray
 
+from mjforage.base.called import called
 from mjforage.base.errors import UserError
 from mjforage.cli.commands import app
 from mjforage.runs.run_info import load_run, read_json
@@ -79,7 +79,7 @@ def _carry_out(words: list[str]) -> None:
     """Run a command of ours in this process, without the figures of its report."""
     function, bound, _ = app.parse_args(words, exit_on_error=False, print_error=False)
     with (
-        patch.object(sys, "argv", ["mjforage", *words]),
+        called(shlex.join(["mjforage", *words])),
         patch("mjforage.view.report.draw_figures", lambda logs: []),
     ):
         function(*bound.args, **bound.kwargs)
