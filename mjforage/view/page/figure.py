@@ -24,7 +24,7 @@ WIDTH_IN = 5.6  # half a page of the report
 WIDE_IN = 11.2  # a whole page
 DPI = 150  # of a PNG, and of maps inside an SVG
 SCREEN_DPI = 100  # of a picture in a notebook
-COLOURS = 128  # of a PNG that is kept in a repository
+COLOURS = 48  # of a PNG that is kept in a repository
 
 _WORDS = r"[A-Za-z0-9 ,.()-]+"
 _POWER = r"\\mathdefault\{(?:[\d.]+\\times)?\d+\^\{[-−]?\d+\}\}"  # matplotlib's, of logarithms

@@ -72,6 +72,8 @@ def _without_a_driver() -> Iterator[None]:
     """Have numba-cuda compile for a card that is not there, with NVVM alone."""
     card = SimpleNamespace(compute_capability=CAPABILITY)
     with ExitStack() as patches:
+        told = {"NUMBA_FORCE_CUDA_CC": ".".join(map(str, CAPABILITY))}
+        patches.enter_context(patch.dict(os.environ, told))  # for numba reads it anew at times
         patches.enter_context(patch("numba.cuda.config.FORCE_CUDA_CC", CAPABILITY))
         patches.enter_context(patch("numba.cuda.cuda_paths._get_nvrtc_path", lambda: None))
         patches.enter_context(patch("numba.cuda.dispatcher.get_current_device", lambda: card))
