@@ -108,16 +108,13 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
 def flow_in(weather: Weather, graph: NavigationGraph | None, recorded: bool = False) -> Flow:
     """Flow of streams and circulation on a map.
 
+    Raises `UserError` if there shall be a circulation without a map, or a stream on a map without
+    water at its edge.
+
     Parameters
     ----------
     graph : the map; None: the open sea
     recorded : True if there is a recorded current
-
-    Raises
-    ------
-    UserError
-        If there shall be a circulation without a map, or a stream on a map without water at its
-        edge.
     """
     turning = weather.circulation_mps != 0.0
     if graph is None:

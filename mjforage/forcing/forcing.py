@@ -206,6 +206,9 @@ class Forcing:
     ) -> "Forcing":
         """Draw wind and water of a batch of episodes.
 
+        Raises `UserError` as `flow_in`, and for a record that cannot be read, is too short or
+        elsewhere.
+
         Parameters
         ----------
         keys : (episode,) episode keys
@@ -213,11 +216,6 @@ class Forcing:
         period_s : of a decision, for drift and noise in nodes
         place : where on the globe the map is, if it is a place
         long_s : the longest episode, for which a record has to last
-
-        Raises
-        ------
-        UserError
-            As `flow_in`, and for a record that cannot be read, is too short or elsewhere.
         """
         north, winds, currents = north_deg(place), NO_RECORD, NO_RECORD
         if weather.file is not None:
@@ -294,14 +292,12 @@ class Forcing:
         An item that has share L of the wind in still water has L of the wind and 1 - L of a
         current, whatever their directions: its drags balance there.
 
+        Returns: (episode, place, 2) [node/step].
+
         Parameters
         ----------
         rc : (episode, place, 2) where, on a map [node]
         leeway : (episode, place) share of the wind, or one for all
-
-        Returns
-        -------
-        (episode, place, 2) [node/step]
         """
         assert self.graph is not None
         xy, leeway = self.graph.metres(rc), np.broadcast_to(np.float64(leeway), rc.shape[:2])

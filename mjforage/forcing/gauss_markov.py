@@ -47,10 +47,7 @@ def normal_pair(key: np.uint64, index: int, step: int) -> tuple[float, float]:
 def gauss_markov_pair(key: np.uint64, time: float) -> tuple[float, float]:
     """Two independent Ornstein-Uhlenbeck processes of variance 1 and covariance exp(-lag).
 
-    Parameters
-    ----------
-    key : stream key, one path each
-    time : finite [time constant], of either sign
+    `key`: stream key, one path each; `time`: finite [time constant], of either sign.
     """
     root = floor(time / ROOT)
     index, since = int(root), time - root * ROOT

@@ -94,10 +94,7 @@ def starts_of(
 ) -> FloatArray:
     """(episode,) when in the record each episode of so many seconds begins [s].
 
-    Raises
-    ------
-    UserError
-        If the record does not last so long, or not from that start on.
+    Raises `UserError` if the record does not last so long, or not from that start on.
     """
     whole = recorded.times_s[-1] - recorded.times_s[0]
     latest = whole - long_s
@@ -139,10 +136,7 @@ def on_map(
 ) -> Record:
     """The wind, with its gusts, or the current of a record on a map, its velocities times a factor.
 
-    Raises
-    ------
-    UserError
-        If a grid shall be on a map that is no place, or does not cover it.
+    Raises `UserError` if a grid shall be on a map that is no place, or does not cover it.
     """
     east_north = getattr(recorded, part)
     if east_north is None:
@@ -207,10 +201,7 @@ def far_km(recorded: Recorded, place: Place) -> float:
 def rise_of(recorded: Recorded, weather: Weather) -> float:
     """Speed at `height_m` over that of the record, by the power law.
 
-    Raises
-    ------
-    UserError
-        If the scenario gives another height of the record than its file.
+    Raises `UserError` if the scenario gives another height of the record than its file.
     """
     given, own = weather.record_height_m, recorded.height_m
     if given is not None and own is not None and given != own:

@@ -46,10 +46,7 @@ class Recorded:
 def read_record(file: str) -> Recorded:
     """Read a record, once as long as the file stays the same.
 
-    Raises
-    ------
-    UserError
-        If it cannot be read, is malformed, or has a gap of more than an hour.
+    Raises `UserError` if it cannot be read, is malformed, or has a gap of more than an hour.
     """
     path = Path(file)
     try:
@@ -114,10 +111,7 @@ Row = tuple[float, dict[str, float]]  # time [s], column -> value, NaN where it 
 def seconds_of(text: str, where: str) -> float:
     """UTC of an ISO 8601 time, since 1970 [s].
 
-    Raises
-    ------
-    UserError
-        If it is none, or in another zone.
+    Raises `UserError` if it is none, or in another zone.
     """
     try:
         when = datetime.fromisoformat(text.strip())

@@ -38,10 +38,7 @@ _LOWEST_M, _HIGHEST_M = 0.5, 200.0  # of a recorded wind
 def netcdf_parts(path: Path, classic: bool, name: str) -> Content:
     """Content of a file: velocities (time, row, column, 2) by part, and what is known of them.
 
-    Raises
-    ------
-    UserError
-        If the file cannot be read or its grid, units or names are not such as these.
+    Raises `UserError` if the file cannot be read or its grid, units or names are not such as these.
     """
     require(name, "xarray", *(() if classic else ("h5netcdf",)))
     import xarray

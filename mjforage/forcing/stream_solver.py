@@ -46,16 +46,14 @@ def stream_functions(
 ) -> FloatArray:
     """Solve on a grid of elements of side 1.
 
+    Returns: (y vertex, x vertex, 4, force) psi, dpsi/dx, dpsi/dy, d2psi/dxdy.
+
     Parameters
     ----------
     water : (y, x) bool elements
     unknown : (y vertex, x vertex, 4) number of each unknown, -1 for zero
     layer : L in sides
     forces : (16, force) work of each on the unknowns of an element
-
-    Returns
-    -------
-    (y vertex, x vertex, 4, force) psi, dpsi/dx, dpsi/dy, d2psi/dxdy
     """
     count = int(unknown.max(initial=-1)) + 1
     y, x = np.nonzero(water)

@@ -56,15 +56,9 @@ class DeviceFleet:
     def __init__(self, scene: Scene, chart: Chart, episodes: int, items: int) -> None:
         """Set up vessels at the origin and items that are not on the water.
 
-        Parameters
-        ----------
-        scene : of `build_scene`, with no bodies for items
-        items : of an episode
+        Raises `UserError` if there is no GPU.
 
-        Raises
-        ------
-        UserError
-            If there is no GPU.
+        `scene`: of `build_scene`, with no bodies for items; `items`: of an episode.
         """
         if not SIMULATED:
             require_gpu("a fleet on a GPU")

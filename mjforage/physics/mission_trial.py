@@ -100,10 +100,7 @@ def way_before_wind(vessel: Vessel, aboard: Sequence[float]) -> float:
 def mission_measures(name: str) -> list[Measure]:
     """Ways and energy of a vessel, by name or file, in the mission.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel, or the simulation becomes unstable.
+    Raises `UserError` if there is no such vessel, or the simulation becomes unstable.
     """
     vessel, setup, found = load_vessel(name), _setup(name), []
     state, pitch_m = _played(setup), setup.graph.pitch_m

@@ -66,9 +66,7 @@ def _unfelt_keys(
 ) -> Iterator[str]:
     """Keys of the scenario that are given and that no world of the run feels.
 
-    Parameters
-    ----------
-    adapted : the scenario as each world with vessels has it
+    `adapted`: the scenario as each world with vessels has it.
     """
     unfelt = [
         f"{table}.{key}"

@@ -15,13 +15,9 @@ _DRAG = tuple(
 def scaled(vessel: Vessel, scale: Scale) -> Vessel:
     """The vessel with its numbers times the factors; with all of them 1 to the bit itself.
 
-    Yaw inertia goes with the mass, which keeps its distribution. Growth of the yaw damping and
-    what items aboard add keep their numbers.
-
-    Raises
-    ------
-    UserError
-        If no body can have the parameters, such as a thrust below the dead zone.
+    Yaw inertia goes with the mass, which keeps its distribution. Growth of the yaw damping and what
+    items aboard add keep their numbers. Raises `UserError` if no body can have the parameters, such
+    as a thrust below the dead zone.
     """
     flow, wind = vessel.crossflow, vessel.windage
     factors = dict.fromkeys(_RIGID, scale.mass) | dict.fromkeys(_ADDED, scale.added_mass)

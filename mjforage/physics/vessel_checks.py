@@ -200,11 +200,8 @@ def measures_of(vessel: Vessel) -> list[Measure]:
 
     At rest it stays; coasting it loses energy and follows the closed form; hard manoeuvres agree
     with those in time steps of 0.0025 s; at top speed a quay and the bow of its like stop it.
-
-    Raises
-    ------
-    UserError
-        If the simulation becomes unstable, or the thrusters' lag is too short for its step.
+    Raises `UserError` if the simulation becomes unstable, or the thrusters' lag is too short for
+    its step.
     """
     hard, found = in_commands(vessel, HARD), []
     true = run_schedule(vessel, hard, Integrator.REFERENCE, FINEST_S)

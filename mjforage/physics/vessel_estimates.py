@@ -28,16 +28,13 @@ def estimate_vessel(
 ) -> str:
     """Text of a vessel's file; every number that is not given is marked as an estimate.
 
+    Raises `UserError` if a number is out of its range, or no body can have them together.
+
     Parameters
     ----------
     length_m, beam_m, mass_kg : of a catamaran with two thrusters, payload included
     thrust_n : of both thrusters together, moored, ahead
     top_speed_mps : with that command, under way
-
-    Raises
-    ------
-    UserError
-        If a number is out of its range, or no body can have them together.
     """
     given = {"length": length_m, "beam": beam_m, "mass": mass_kg}
     for name, value in (given | {"thrust": thrust_n, "top-speed": top_speed_mps}).items():

@@ -166,9 +166,7 @@ def _disc_kgpm(vessel: Vessel) -> float:
 def _top_speed(vessel: Vessel, moored: float, share: float = 1.0) -> float:
     """Speed at which surge drag takes a share of the thrust of both sides [m/s].
 
-    Parameters
-    ----------
-    moored : thrust of one side [N], above 0
+    `moored`: thrust of one side [N], above 0.
     """
     drag = vessel.linear_surge, vessel.quadratic_surge
     return _balance(*drag, 2.0 * share, moored, 1.0, _disc_kgpm(vessel))

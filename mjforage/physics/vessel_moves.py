@@ -18,12 +18,8 @@ def with_moves(scenario: Scenario) -> Scenario:
     """The scenario with a number in the place of each `moves = "from vessel"`.
 
     The number is the most nodes that the vessel of the team makes in time diagonally, from rest to
-    rest after a turn of 90 degrees, by the vessel model of its controllers (`decision_s`).
-
-    Raises
-    ------
-    UserError
-        If a vessel cannot be read, or does not make one node.
+    rest after a turn of 90 degrees, by the vessel model of its controllers (`decision_s`). Raises
+    `UserError` if a vessel cannot be read, or does not make one node.
     """
     team = dict(scenario.team)
     for name, role in team.items():

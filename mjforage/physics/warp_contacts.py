@@ -61,14 +61,9 @@ class ContactRows:
 def check_room(data: Any, most: int) -> None:
     """Fail if contacts have been left out since the start.
 
-    Parameters
-    ----------
-    most : contacts of a world for which there is room
+    Raises `UserError` if so.
 
-    Raises
-    ------
-    UserError
-        If so.
+    `most`: contacts of a world for which there is room.
     """
     if (data.overflow.numpy() & int(_NO_ROOM)).any():
         raise UserError(f"warp: more than {most} contacts of a world's hulls; give more room")

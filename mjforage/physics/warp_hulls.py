@@ -91,17 +91,14 @@ class WarpHulls:
     ) -> None:
         """Set up worlds.
 
+        Raises `UserError` if the scene has items, or there is no such device.
+
         Parameters
         ----------
         scene : of `build_scene`, with no bodies for items
         step_s : time step [s]
         device : "cpu" or "cuda", as Warp names it
         contacts : of a world, at most; by default `CONTACTS` for each vessel
-
-        Raises
-        ------
-        UserError
-            If the scene has items, or there is no such device.
         """
         if scene.items:
             raise UserError(f"warp: a scene with {scene.items} items; give one with none")
@@ -179,13 +176,7 @@ class WarpHulls:
         self._around.assign(around)
 
     def step(self, steps: int = 1) -> None:
-        """Advance all worlds.
-
-        Raises
-        ------
-        UserError
-            If there is no room for all contacts.
-        """
+        """Advance all worlds; raises `UserError` if there is no room for all contacts."""
         with wp.ScopedDevice(self._device):
             for _ in range(steps):
                 mujoco_warp.step(self._model, self._data)

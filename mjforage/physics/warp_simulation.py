@@ -36,15 +36,9 @@ class WarpSimulation(SimulatedFleet):
     ) -> None:
         """Set up simulations.
 
-        Parameters
-        ----------
-        device : "cpu" or "cuda", as Warp names it
-        seeds, items : as of `Simulation`
+        Raises `UserError` if there is no such device.
 
-        Raises
-        ------
-        UserError
-            If there is no such device.
+        `device`: "cpu" or "cuda", as Warp names it; `seeds`, `items`: as of `Simulation`.
         """
         self.scene, vessels = scene, len(scene.vessels)
         shift_s = half_step_s(Integrator.FAST, step_s)
@@ -78,12 +72,8 @@ class WarpSimulation(SimulatedFleet):
     def step(self, steps: int = 1, ids: NDArray[Any] | None = None) -> None:
         """Advance simulations (indices or mask, all by default) by `steps` time steps.
 
-        Raises
-        ------
-        InstabilityError
-            If one of them became unstable, naming its seed, the time and the body.
-        UserError
-            If hulls have more contacts than there is room for.
+        Raises `InstabilityError` if one of them became unstable, naming its seed, the time and the
+        body; `UserError` if hulls have more contacts than there is room for.
         """
         which = self._every if ids is None else self._every[ids]
         for _ in range(steps):

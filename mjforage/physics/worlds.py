@@ -112,17 +112,14 @@ def create_mission(
 ) -> Mission:
     """A mission in one of the worlds.
 
+    Raises `UserError` if the scenario cannot be run in that world.
+
     Parameters
     ----------
     setup : scenario and map
     world : name in `WORLDS`
     trajectory : takes the frames of the batch's first episode
     threads : of a batch of hulls; the graph world has one. Results do not depend on it
-
-    Raises
-    ------
-    UserError
-        If the scenario cannot be run in that world.
     """
     kind = WORLDS[world]
     about = setup.graph, setup.fleet, kind.adapt(setup.scenario)

@@ -13,10 +13,7 @@ _PLACES = (_PACKAGE / "models", _PACKAGE.parent / "models")  # an installed whee
 def models_folder() -> Path:
     """Folder of the shipped data, in an installed package as well as in a checkout.
 
-    Raises
-    ------
-    UserError
-        If it is in neither place, naming both.
+    Raises `UserError` if it is in neither place, naming both.
     """
     for place in _PLACES:
         if (place / "maps").is_dir():  # `models` alone could be anyone's
@@ -36,17 +33,14 @@ def named_file(
 ) -> Path:
     """File of a shipped name, in which dashes and underscores are alike, or of a path.
 
+    Raises `UserError` if there is no such name or file, with the nearest name.
+
     Parameters
     ----------
     kind : for messages: map, scenario or vessel
     shipped : name -> file
     what : such a file, for messages
     suffix : end of the names of such files; empty: any
-
-    Raises
-    ------
-    UserError
-        If there is no such name or file, with the nearest name.
     """
     for name in (reference, reference.replace("_", "-"), reference.replace("-", "_")):
         if name in shipped:

@@ -30,9 +30,7 @@ def flow_direction(to_deg: float) -> float:
 def bearing_of(xy: NDArray[np.float64], north_deg: float = 0.0) -> NDArray[np.float64]:
     """(...,) compass bearing [deg] to which vectors (..., 2) point, NaN for one of no length.
 
-    Parameters
-    ----------
-    north_deg : bearing of the y axis
+    `north_deg`: bearing of the y axis.
     """
     bearing = (np.degrees(np.arctan2(xy[..., 0], xy[..., 1])) + north_deg) % 360.0
     found: NDArray[np.float64] = np.where(xy.any(axis=-1), bearing, np.nan)

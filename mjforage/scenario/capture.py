@@ -68,14 +68,10 @@ class Capture:
 def load_capture(vessel: str) -> Capture:
     """Capture probability of a vessel, from the file beside its own.
 
-    Parameters
-    ----------
-    vessel : name, or path of a TOML file
+    Raises `UserError` if there is no such vessel, if it was never calibrated, or if the file is not
+    a valid one.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel, if it was never calibrated, or if the file is not a valid one.
+    `vessel`: name, or path of a TOML file.
     """
     path, command = capture_path(vessel), f"mjforage calibrate {vessel}"
     if not path.exists():
@@ -91,10 +87,7 @@ def load_capture(vessel: str) -> Capture:
 def usual_capture(vessel: str) -> Capture:
     """Capture probability of a vessel or, if it was never calibrated, of the shipped forager.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel, or if its file is not a valid one.
+    Raises `UserError` if there is no such vessel, or if its file is not a valid one.
     """
     return load_capture(vessel if capture_path(vessel).exists() else "forager")
 

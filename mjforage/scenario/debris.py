@@ -68,10 +68,7 @@ def load_debris() -> tuple[DebrisClass, ...]:
 def item_choices(choice: Physics) -> NDArray[np.int64]:
     """Index of each of the scenario's item classes among those that ship.
 
-    Raises
-    ------
-    UserError
-        If a class is not known, or there is none.
+    Raises `UserError` if a class is not known, or there is none.
     """
     known = [kind.name for kind in load_debris()]
     for name in choice.item_classes:

@@ -14,12 +14,8 @@ def afloat(grid: GridMap, scenario: Scenario) -> GridMap:
     """The map without the nodes that are too shallow for the deepest draught of the fleet.
 
     Water no deeper than the draught closes a node for all teams; of what remains, the largest
-    component stays.
-
-    Raises
-    ------
-    UserError
-        If no node remains, or a water level is given without a draught.
+    component stays. Raises `UserError` if no node remains, or a water level is given without a
+    draught.
     """
     choice, draughts = scenario.map, {n: r.draught_m for n, r in scenario.team.items() if r.count}
     team = max(draughts, key=lambda name: draughts[name], default="")
@@ -56,14 +52,9 @@ def afloat(grid: GridMap, scenario: Scenario) -> GridMap:
 def check_afloat(starts: Starts, grid: GridMap, scenario: Scenario) -> None:
     """Refuse starts that a draught has closed.
 
-    Parameters
-    ----------
-    grid : of `afloat`
+    Raises `UserError`, naming the first of them and its depth.
 
-    Raises
-    ------
-    UserError
-        Naming the first of them and its depth.
+    `grid`: of `afloat`.
     """
     rows, columns = grid.navigable.shape
     closed = grid.charted & ~grid.navigable

@@ -42,15 +42,10 @@ class Faults:
 def check_faults(faults: Faults, counts: Mapping[str, int], where: str) -> None:
     """Check that the vessel that fails is there.
 
-    Parameters
-    ----------
-    counts : team -> vessels in it
-    where : start of error messages
+    Raises `UserError` if it is no vessel of the scenario, or if nothing fails and yet it is said
+    how.
 
-    Raises
-    ------
-    UserError
-        If it is no vessel of the scenario, or if nothing fails and yet it is said how.
+    `counts`: team -> vessels in it; `where`: start of error messages.
     """
     if not faults.any and faults != Faults(noticed=faults.noticed):
         raise UserError(

@@ -55,10 +55,7 @@ def is_family(reference: str) -> bool:
 def harbour(reference: str) -> Harbour:
     """The harbour that a reference names.
 
-    Raises
-    ------
-    UserError
-        If it is not well formed, or names a family.
+    Raises `UserError` if it is not well formed, or names a family.
     """
     if is_family(reference):
         first = family(reference)[0]
@@ -86,10 +83,8 @@ def harbour(reference: str) -> Harbour:
 def family(reference: str) -> list[str]:
     """References of a family's harbours, one of each seed: all of its kind, or the kinds in turn.
 
-    Raises
-    ------
-    UserError
-        If it is not [KIND:]FIRST-LAST in ascending order, names too many, or no kind.
+    Raises `UserError` if it is not [KIND:]FIRST-LAST in ascending order, names too many, or no
+    kind.
     """
     kind, _, seeds = reference.removeprefix(MANY).rpartition(":")
     first, _, last = seeds.partition("-")

@@ -28,10 +28,7 @@ def shipped_maps() -> dict[str, Path]:
 def write_table(cells: NDArray[np.bool_], path: Path) -> None:
     """Write a map (row, column) as a table that `read_cells` reads.
 
-    Raises
-    ------
-    UserError
-        If the file cannot be written.
+    Raises `UserError` if the file cannot be written.
     """
     lines = (",".join("01"[int(cell)] for cell in row) + "\n" for row in cells)
     with atomic_write(path) as beside:
@@ -46,10 +43,7 @@ def is_shipped_map(reference: str) -> bool:
 def map_path(reference: str) -> Path:
     """File of a shipped map (``comb_port`` or ``comb-port``) or of a user's.
 
-    Raises
-    ------
-    UserError
-        If there is no such map or file.
+    Raises `UserError` if there is no such map or file.
     """
     return named_file("map", reference, shipped_maps(), "a file of a table or an image, or a place")
 
@@ -58,18 +52,14 @@ def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bo
     """Navigable cells (row, column) of a map file, an image by the end of its name, or a table.
 
     An image has a pixel per cell, a table a number: see `map_formats`. The light cells are water,
-    of a table those with 1; unknown ones are land.
+    of a table those with 1; unknown ones are land. Raises `UserError` if the file is unreadable,
+    too large, empty or malformed.
 
     Parameters
     ----------
     path : the file
     name : name of the map in messages
     water : `dark` where the dark cells are water, of a table those with 0
-
-    Raises
-    ------
-    UserError
-        If the file is unreadable, too large, empty or malformed.
     """
     is_image = path.suffix.lower() in IMAGE_SUFFIXES
     levels = (read_image if is_image else read_table)(path, name)

@@ -80,6 +80,10 @@ def load_map(
 ) -> GridMap:
     """Load a map and check that it is one component.
 
+    Raises `UserError` if the file is missing, unreadable or malformed, has no navigable cell, or is
+    not one component and `largest_component` is not set; if a harbour's name is malformed; if the
+    water of a shipped map or a harbour is said to be dark.
+
     Parameters
     ----------
     reference : name of a shipped map (``comb_port`` or ``comb-port``) or of a generated harbour
@@ -87,13 +91,6 @@ def load_map(
     corner_cutting : True if a diagonal move may pass beside a land cell or between two
     largest_component : make an obstacle of every node outside the largest component
     water : which cells of a file are water (see `read_cells`)
-
-    Raises
-    ------
-    UserError
-        If the file is missing, unreadable or malformed, has no navigable cell, or is not one
-        component and `largest_component` is not set; if a harbour's name is malformed; if the water
-        of a shipped map or a harbour is said to be dark.
     """
     if water == "dark" and (is_harbour(reference) or is_shipped_map(reference)):
         raise UserError(f"map {reference}: has light water; leave out map.water = dark")
@@ -125,10 +122,7 @@ def _map_of_place(
 def pitch_of(grid: GridMap, pitch_m: float) -> float:
     """Pitch of a map [m]: that of its place, else as given.
 
-    Raises
-    ------
-    UserError
-        If another than the usual one is given for a place.
+    Raises `UserError` if another than the usual one is given for a place.
     """
     if grid.place is None or pitch_m == grid.place.pitch_m:
         return pitch_m
@@ -143,10 +137,7 @@ def pitch_of(grid: GridMap, pitch_m: float) -> float:
 def starts_of(grid: GridMap, latlon: LatLon) -> Starts:
     """Nodes of starts in latitude and longitude.
 
-    Raises
-    ------
-    UserError
-        If the map is no place, or a start is outside it or on land.
+    Raises `UserError` if the map is no place, or a start is outside it or on land.
     """
     if grid.place is None:
         raise UserError(
@@ -174,10 +165,7 @@ def starts_of(grid: GridMap, latlon: LatLon) -> Starts:
 def water_of_array(grid: ArrayLike) -> NDArray[np.bool_]:
     """Water (row, column) of an array of 0 and 1, or of 0 and 255; NaN is land.
 
-    Raises
-    ------
-    UserError
-        If it has not two axes, or holds something else.
+    Raises `UserError` if it has not two axes, or holds something else.
     """
     try:
         array = np.asarray(grid)
@@ -256,17 +244,14 @@ def _one_component(
 def check_starts(starts: Starts, navigable: NDArray[np.bool_], owner: str, map_name: str) -> None:
     """Refuse starts that no agent can take.
 
+    Raises `UserError` if a start lies outside the map or on land, or is given twice.
+
     Parameters
     ----------
     starts : (row, column) of each start, counted from 0
     navigable : (row, column) bool
     owner : whose starts they are, for the message (``scenario published``)
     map_name : name of the map in messages
-
-    Raises
-    ------
-    UserError
-        If a start lies outside the map or on land, or is given twice.
     """
     rows, columns = navigable.shape
     for i, (row, column) in enumerate(starts):
@@ -287,20 +272,12 @@ def check_starts(starts: Starts, navigable: NDArray[np.bool_], owner: str, map_n
 def load_starts(reference: str) -> Starts | None:
     """Read the starts that lie beside a map as ``<stem>.starts.csv``, a line ``row,column`` each.
 
-    Parameters
-    ----------
-    reference : name of a shipped map or a generated harbour, or path of a map file
+    Raises `UserError` if there is no such map, or the starts cannot be read, are none, or hold
+    anything but two whole numbers per line.
 
-    Returns
-    -------
-    (row, column) of each start, unchecked against the map, or None if there is no such file, as
-    beside no harbour
-
-    Raises
-    ------
-    UserError
-        If there is no such map, or the starts cannot be read, are none, or hold anything but two
-        whole numbers per line.
+    `reference`: name of a shipped map or a generated harbour, or path of a map file. Returns: (row,
+    column) of each start, unchecked against the map, or None if there is no such file, as beside no
+    harbour.
     """
     if is_harbour(reference):
         return None

@@ -125,10 +125,7 @@ def place_path(reference: str) -> Path:
 def write_place(place: Place, folder: Path) -> None:
     """Write `place.toml`, and `quays.geojson` beside it.
 
-    Raises
-    ------
-    UserError
-        If a file cannot be written.
+    Raises `UserError` if a file cannot be written.
     """
     tree = {key: value for key, value in asdict(place).items() if key != "quays"}
     quays = {
@@ -145,10 +142,7 @@ def write_place(place: Place, folder: Path) -> None:
 def read_place(path: Path) -> Place:
     """The place of a `place.toml`, with the quays beside it if there are any.
 
-    Raises
-    ------
-    UserError
-        If one of the files is missing or malformed.
+    Raises `UserError` if one of the files is missing or malformed.
     """
     place = check(Place, read_toml(path, f"place {path}"), f"place {path}")
     file = path.with_name(QUAYS_FILE)
@@ -179,10 +173,7 @@ def read_depths(path: Path, nodes: NDArray[np.bool_]) -> NDArray[np.float64] | N
     """(row, column) depths [m] of the nodes of a place, infinite where the file has none, NaN on
     land; None if there is no file.
 
-    Raises
-    ------
-    UserError
-        If the file is malformed, or has not the place's rows and columns.
+    Raises `UserError` if the file is malformed, or has not the place's rows and columns.
     """
     if not path.is_file():
         return None

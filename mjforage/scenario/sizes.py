@@ -32,16 +32,13 @@ def machine_bytes() -> int:
 def check_memory(what: str, wanted: float, remedy: str) -> None:
     """Refuse work that does not fit into this machine.
 
+    Raises `UserError` if the machine has less memory than that.
+
     Parameters
     ----------
     what : what needs the memory, as a message begins
     wanted : [byte]
     remedy : as a message ends
-
-    Raises
-    ------
-    UserError
-        If the machine has less memory than that.
     """
     there = machine_bytes()
     if wanted > there:
@@ -54,10 +51,7 @@ def check_memory(what: str, wanted: float, remedy: str) -> None:
 def map_bytes(scenario: Scenario, shape: tuple[int, int], nodes: int) -> float:
     """Memory of a map as a graph and of the views from its nodes [byte].
 
-    Parameters
-    ----------
-    shape : (rows, columns) of the map
-    nodes : navigable cells
+    `shape`: (rows, columns) of the map; `nodes`: navigable cells.
     """
     radii = {role.radius for role in scenario.team.values() if role.count}
     views = sum(list_bytes(radius, shape, nodes) for radius in radii)
@@ -69,10 +63,7 @@ def mission_bytes(
 ) -> float:
     """Memory of episodes side by side, logged, on a map whose graph is there [byte].
 
-    Parameters
-    ----------
-    episodes : of the batch
-    recorded : True if one of them is recorded for films
+    `episodes`: of the batch; `recorded`: True if one of them is recorded for films.
     """
     steps = scenario.horizon + 1
     agents = sum(role.count for role in scenario.team.values())

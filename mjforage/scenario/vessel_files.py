@@ -17,10 +17,7 @@ def vessel_names() -> list[str]:
 def vessel_path(name_or_path: str | Path) -> Path:
     """File of a shipped vessel's name or of a path.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel or file.
+    Raises `UserError` if there is no such vessel or file.
     """
     shipped = shipped_files("vessels", ".toml")
     return named_file("vessel", str(name_or_path), shipped, "a TOML file", ".toml")
@@ -29,10 +26,7 @@ def vessel_path(name_or_path: str | Path) -> Path:
 def capture_path(name_or_path: str | Path) -> Path:
     """Path of a vessel's capture model, beside its own file; it need not exist.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel.
+    Raises `UserError` if there is no such vessel.
     """
     path = vessel_path(name_or_path)
     return path.with_name(path.stem + _CAPTURE)

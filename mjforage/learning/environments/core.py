@@ -120,10 +120,8 @@ class EnvironmentCore:
 
         Raises `UserError` if no episode has been started.
 
-        Parameters
-        ----------
-        actions : (env, agent) moves 0-8; an illegal one, or one that another agent took first,
-            becomes staying put where that is legal, else the first legal compass move
+        `actions`: (env, agent) moves 0-8; an illegal one, or one that another agent took first,
+        becomes staying put where that is legal, else the first legal compass move.
         """
         checked_started(self.started, "step")
         return self.play(preferences_of(actions), actions)
@@ -133,10 +131,8 @@ class EnvironmentCore:
     ) -> Outcome:
         """Play one decision by preferences (env, agent, 9), see `Resolver`.
 
-        Parameters
-        ----------
-        wanted : (env, agent) moves that count as illegal where another is made; absent: those of
-            the largest preferences
+        `wanted`: (env, agent) moves that count as illegal where another is made; absent: those of
+        the largest preferences.
         """
         mission, played = self.mission, self.mission.active.copy()
         wanted = preferences.argmax(axis=-1) if wanted is None else wanted

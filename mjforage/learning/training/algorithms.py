@@ -26,9 +26,7 @@ def find_algorithm(name: str) -> type[Algorithm[Any]]:
     imported, or it is no `Algorithm` with `settings`, a `weights_kind` that policies play and all
     of `TO_WRITE`.
 
-    Parameters
-    ----------
-    name : ddqn, mappo, a name of an installed package, or `package.module:Class`
+    `name`: ddqn, mappo, a name of an installed package, or `package.module:Class`.
     """
     found = ALGORITHMS.find(name)
     if not (

@@ -19,9 +19,7 @@ def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str
 
     Raises `UserError` if the file cannot be written.
 
-    Parameters
-    ----------
-    note : key and text for the header; one only, as safetensors puts several in any order
+    `note`: key and text for the header; one only, as safetensors puts several in any order.
     """
     with atomic_write(path, SafetensorError) as beside:
         save_file(dict(tensors), beside, metadata=dict([note]))
@@ -71,9 +69,7 @@ def _restore_moments(optimiser: Adam, state: Mapping[str, Tensor]) -> None:
 
     Raises `ValueError` if they are not of its parameters.
 
-    Parameters
-    ----------
-    state : "number of the parameter.name of the moment" -> tensor
+    `state`: "number of the parameter.name of the moment" -> tensor.
     """
     parameters = [one for group in optimiser.param_groups for one in group["params"]]
     moments: dict[int, dict[str, Tensor]] = {}

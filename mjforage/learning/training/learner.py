@@ -32,9 +32,7 @@ GRADIENT_LIMIT = 10.0  # norm of a step's gradients at most; an estimate
 def lead_lacking(values: Tensor, demonstrated: Tensor, margin: float) -> Tensor:
     """(row,) by how much the best demonstrated move fails to lead all others by the margin.
 
-    Parameters
-    ----------
-    values, demonstrated : (row, 9); rows without a demonstrated move give 0
+    `values`, `demonstrated`: (row, 9); rows without a demonstrated move give 0.
     """
     best = values.masked_fill(~demonstrated, -torch.inf).max(dim=1).values
     raised = (values + margin * ~demonstrated).max(dim=1).values

@@ -14,10 +14,8 @@ _proved = False
 def install() -> None:
     """Put the callback in place, also where someone has cleared it since.
 
-    Raises
-    ------
-    UserError
-        If someone else's passive callback is in place, or ours does not work with this MuJoCo.
+    Raises `UserError` if someone else's passive callback is in place, or ours does not work with
+    this MuJoCo.
     """
     global _proved
     if mujoco.get_mjcb_passive() is not None:

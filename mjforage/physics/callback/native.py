@@ -61,10 +61,7 @@ def _factor_m() -> Any:
 def native_callback() -> Any:
     """Compile the callback for this process; keep the result alive as long as it is installed.
 
-    Raises
-    ------
-    StructError
-        If the structs or the library are not what the callback needs.
+    Raises `StructError` if the structs or the library are not what the callback needs.
     """
     at, factor_m = offsets(), _factor_m()
     o_n_numeric, o_n_user, o_timestep, o_numeric, o_row = at[:5]

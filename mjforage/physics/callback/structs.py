@@ -109,10 +109,8 @@ def _offset(layout: Any, address: int, member: str, expected: float) -> int:
 def offsets() -> Offsets:
     """Offsets in the structs of this process's MuJoCo.
 
-    Raises
-    ------
-    StructError
-        If a member is missing, of an unknown type, or does not hold what it should.
+    Raises `StructError` if a member is missing, of an unknown type, or does not hold what it
+    should.
     """
     model = mujoco.MjModel.from_xml_string(_TOY)
     data = mujoco.MjData(model)

@@ -226,9 +226,7 @@ def averaged_load(
     is exact with the slope at a third of the step: the mean of (v + a t)^2 over h is
     v^2 + h a (v + a h/3). Free motion is the same. Parameters are as of `mean_acceleration`.
 
-    Returns
-    -------
-    Surge, sway [N], yaw [N m]; inertia in surge, sway [kg] and yaw [kg m2]
+    Returns: surge, sway [N], yaw [N m]; inertia in surge, sway [kg] and yaw [kg m2].
     """
     h = step_s
     ax, ay, ar = mean_acceleration(p, body, yaw, vx, vy, r, command, lagged, around, h)

@@ -166,10 +166,7 @@ def berths(
 def clear_of_walls(land: LandArray, pitch: float, node_xy: FloatArray, xy: FloatArray) -> None:
     """Move items that lie on land or in a wall towards the middle of their node, until clear.
 
-    Parameters
-    ----------
-    node_xy : (item, 2) middles of their nodes [m]
-    xy : (item, 2) written [m]
+    `node_xy`: (item, 2) middles of their nodes [m]; `xy`: (item, 2) written [m].
     """
     for k in range(len(xy) if has_walls(land) else 0):
         i, j = round(node_xy[k, 0] / pitch), round(node_xy[k, 1] / pitch)

@@ -32,12 +32,7 @@ class Camera(NamedTuple):
 
 
 def camera_of(sensors: Sensors, period: int, latency: int) -> Camera:
-    """The camera of a scenario.
-
-    Parameters
-    ----------
-    period, latency : [control ticks]
-    """
+    """The camera of a scenario; `period`, `latency`: [control ticks]."""
     return Camera(
         sensors.camera_noise_m,
         sensors.camera_range_noise_per_m,

@@ -143,9 +143,7 @@ def _note_attempt(
 ) -> None:
     """Note how far the bow is from the item sought; two failed attempts end the search for it.
 
-    Parameters
-    ----------
-    own : True if it lies in the vessel's own node: only then the result is reported
+    `own`: True if it lies in the vessel's own node: only then the result is reported.
     """
     k = attempts.item[e, v]
     if attempts.near[e, v] and away_m > AWAY_M:
@@ -280,15 +278,13 @@ def collect_at_mouth(
     The mouth is as wide as the vessel, at the bow. With a pause it takes items one after the other,
     and the hull pushes those that wait. If too many wait when it takes one, it jams.
 
+    Returns: how many items were taken.
+
     Parameters
     ----------
     pose : (episode, vessel, 3); xy : (episode, item, 2) [m]
     mouths : `ready_s` is written
     now_s : (episode,) [s]
-
-    Returns
-    -------
-    How many items were taken.
     """
     collects, size, ready_s = reach.collects, reach.size, mouths.ready_s
     item_node, collected_by, taken = state.item_node, state.collected_by, 0

@@ -15,10 +15,8 @@ _WARP_NAMES = {"warp-cpu": "cpu", "cuda": "cuda"}
 def check_device(choice: Physics) -> None:
     """Refuse a device that cannot be used.
 
-    Raises
-    ------
-    UserError
-        If the extra or the device is missing, or it shall step as the reference integrator does.
+    Raises `UserError` if the extra or the device is missing, or it shall step as the reference
+    integrator does.
     """
     if choice.device == "cpu":
         return
@@ -38,15 +36,9 @@ def create_simulation(
 ) -> SimulatedFleet:
     """A batch of simulations of a scene on the device of a scenario.
 
-    Parameters
-    ----------
-    step_s : of the physics [s]
-    options : seeds and items, as of `Simulation`
+    Raises `UserError` as that of the engine.
 
-    Raises
-    ------
-    UserError
-        As that of the engine.
+    `step_s`: of the physics [s]; `options`: seeds and items, as of `Simulation`.
     """
     if choice.device == "cpu":
         integrator = Integrator(choice.integrator)

@@ -18,10 +18,7 @@ POOL = 8  # bodies for items near vessels, at first
 def known_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
     """(agent,) vessel of every agent by its file, as controllers know it.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel.
+    Raises `UserError` if there is no such vessel.
     """
     return tuple(load_vessel(name) for name in hull_names(fleet, choice))
 
@@ -29,10 +26,7 @@ def known_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
 def fleet_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
     """(agent,) the vessel of every agent as it moves, with the scenario's factors.
 
-    Raises
-    ------
-    UserError
-        If there is no such vessel, or no body can have its parameters.
+    Raises `UserError` if there is no such vessel, or no body can have its parameters.
     """
     return tuple(scaled(vessel, choice.scale) for vessel in known_vessels(fleet, choice))
 
@@ -46,10 +40,7 @@ def fleet_scene(
 ) -> Scene:
     """The scene of a fleet on a map, with bodies for the few items that are near vessels.
 
-    Raises
-    ------
-    UserError
-        If a vessel cannot turn in the narrowest passage.
+    Raises `UserError` if a vessel cannot turn in the narrowest passage.
     """
     return build_scene(
         vessels,

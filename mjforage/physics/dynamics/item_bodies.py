@@ -22,10 +22,7 @@ def read_items(
 ) -> None:
     """Positions and nodes of the items that are left, from where their bodies are.
 
-    Parameters
-    ----------
-    xy : (episode, item, 2) [m]
-    state : `item_rc` and `item_node` are written
+    `xy`: (episode, item, 2) [m]; `state`: `item_rc` and `item_node` are written.
     """
     item_rc, item_node = state.item_rc, state.item_node
     height = water.framed.shape[0] - 2

@@ -79,13 +79,10 @@ class MujocoDynamics:
     ) -> None:
         """Read vessels and build what does not depend on the episode.
 
-        Raises
-        ------
-        UserError
-            If a vessel or an item class is not known, a capture model is wanted and not there, a
-            vessel does not fit on the map, the scenario's times do not fit together, items without
-            bodies shall enter a mouth, moves jump, or there shall be a current on a map without an
-            open border.
+        Raises `UserError` if a vessel or an item class is not known, a capture model is wanted and
+        not there, a vessel does not fit on the map, the scenario's times do not fit together, items
+        without bodies shall enter a mouth, moves jump, or there shall be a current on a map without
+        an open border.
         """
         if scenario.rules.jump:
             raise UserError("rules.jump = true: hulls cannot cross land; use the graph world")
@@ -229,9 +226,7 @@ class MujocoDynamics:
     def place(self, pose: NDArray[np.float64], rows: NDArray[np.int64] | None = None) -> None:
         """Put the vessels of some episodes, by default of all, elsewhere and at rest.
 
-        Parameters
-        ----------
-        pose : (row, vessel, 3) [m], [rad]
+        `pose`: (row, vessel, 3) [m], [rad].
         """
         self._simulation.place_vessels(pose, ids=rows)
         self._motion = self._measured()

@@ -9,10 +9,7 @@ WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a 
 def whole_times(whole: float, part: float, name: str, least: int = 1) -> int:
     """Whole number of times that a time [s] goes into another, at least so many.
 
-    Raises
-    ------
-    UserError
-        If not a whole number of times.
+    Raises `UserError` if not a whole number of times.
     """
     count = round(whole / part)
     if count < least or abs(count * part - whole) > 1e-9 * whole:

@@ -41,10 +41,7 @@ def _reach(ax: float, ay: float, yaw: float, half_length: float, half_beam: floa
 def contact(a: Triple, b: Triple, size_a: Pair, size_b: Pair) -> tuple[bool, float, float, bool]:
     """Contact of boxes a and b: True if they touch, unit normal from b to a, True if of a's side.
 
-    Parameters
-    ----------
-    a, b : x, y [m], yaw [rad]
-    size_a, size_b : half length, half beam [m]
+    `a`, `b`: x, y [m], yaw [rad]; `size_a`, `size_b`: half length, half beam [m].
     """
     least, nx, ny, of_a = np.inf, 0.0, 0.0, False
     dx, dy = a[0] - b[0], a[1] - b[1]
@@ -132,14 +129,9 @@ def _open_side(
     A side between two cells is none of the quay, and their corners are none unless they jut out:
     the open side beside them counts, if there is one; else nothing, for a neighbour is touched too.
 
-    Parameters
-    ----------
-    land, i, j : the cell, counted as by `framed_is_land`
-    nx, ny, own : as of `contact`
+    Returns: the same three; a normal of 0 where the cell has no open side there.
 
-    Returns
-    -------
-    The same three; a normal of 0 where the cell has no open side there
+    `land`, `i`, `j`: the cell, counted as by `framed_is_land`; `nx`, `ny`, `own`: as of `contact`.
     """
     east, north = (1 if nx > 0.0 else -1), (1 if ny > 0.0 else -1)
     by_x = abs(nx) > 1e-9 and not framed_is_land(land, i + east, j)

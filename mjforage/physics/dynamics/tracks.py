@@ -219,9 +219,7 @@ def tracked(
 ) -> None:
     """Places of items now as vessels know them.
 
-    Parameters
-    ----------
-    out : (episode, vessel, item, 2) written [m]; NaN where there is no track
+    `out`: (episode, vessel, item, 2) written [m]; NaN where there is no track.
     """
     for e in range(out.shape[0]):
         for v in range(out.shape[1]):

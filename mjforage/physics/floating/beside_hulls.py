@@ -66,9 +66,7 @@ def _beside_hull(
 ) -> tuple[float, float]:
     """Acceleration [m/s2] of an item with its contact with one hull, from that without it.
 
-    Parameters
-    ----------
-    state : x, y [m], velocity [m/s] of the item
+    `state`: x, y [m], velocity [m/s] of the item.
     """
     x, y, vx, vy = state
     dx, dy = x - pose[0], y - pose[1]

@@ -29,9 +29,7 @@ class Bodies(NamedTuple):
 def is_near(pose: Float64Array, size: Float64Array, x: float, y: float, reach_m: float) -> bool:
     """True if a point lies within `reach_m` of a vessel, on each of its axes.
 
-    Parameters
-    ----------
-    pose, size : (vessel, 3) x, y [m], yaw [rad]; (vessel, 2) half length, half beam [m]
+    `pose`, `size`: (vessel, 3) x, y [m], yaw [rad]; (vessel, 2) half length, half beam [m].
     """
     for v in range(pose.shape[0]):
         dx, dy = x - pose[v, 0], y - pose[v, 1]
@@ -58,14 +56,9 @@ def activate(
 
     The assignment depends on nothing but the places.
 
-    Parameters
-    ----------
-    pose, size : as in `is_near`, with (simulation, ...) before the pose
-    ids : simulations
-
-    Returns
-    -------
-    How many bodies the simulation wanted that wanted most; beyond `Bodies.most` none was given.
+    `pose`, `size`: as in `is_near`, with (simulation, ...) before the pose; `ids`: simulations.
+    Returns: how many bodies the simulation wanted that wanted most; beyond `Bodies.most` none was
+    given.
     """
     kind, active, item_of = afloat.kind, afloat.active, bodies.item_of
     pool, most = bodies.q.shape[1], 0

@@ -108,13 +108,8 @@ def drift(
 ) -> tuple[int, int]:
     """Move the items of simulations `ids` that are on the water and have no body.
 
-    Parameters
-    ----------
-    averaged : by the fast integrator (velocity first, then position by it), else by the reference
-
-    Returns
-    -------
-    Simulation and item that are no finite numbers any more, -1 and -1 if all are.
+    `averaged`: by the fast integrator (velocity first, then position by it), else by the reference.
+    Returns: simulation and item that are no finite numbers any more, -1 and -1 if all are.
     """
     q, v, wind, water = afloat.q, afloat.v, afloat.wind, afloat.water
     kind, kinds, active, land = afloat.kind, afloat.kinds, afloat.active, quays.land

@@ -59,13 +59,7 @@ def near_pairs(afloat: Afloat, e: int, reach_m: float, scratch: Scratch, pairs: 
 
     Their order depends on the places alone.
 
-    Parameters
-    ----------
-    pairs : (room, 2) written
-
-    Returns
-    -------
-    Number of pairs; those beyond the room are only counted.
+    `pairs`: (room, 2) written. Returns: number of pairs; those beyond the room are only counted.
     """
     q, kind = afloat.q, afloat.kind
     first, following, cell = scratch.first, scratch.following, scratch.cell
@@ -142,9 +136,7 @@ def _give(
 ) -> float:
     """Move item k by so much along a normal, or change its velocity; how much quays let it.
 
-    Parameters
-    ----------
-    at : column of `state`: 0 places, 2 velocities
+    `at`: column of `state`: 0 places, 2 velocities.
     """
     given = 0.0
     for axis in range(2):
@@ -173,9 +165,7 @@ def _sweep(
 
     One item that a quay holds back is held, and so is what lies upwind of it: b of a pair (a, b).
 
-    Parameters
-    ----------
-    state : (item, 4) x, y [m], velocity [m/s]
+    `state`: (item, 4) x, y [m], velocity [m/s].
     """
     most = 0.0
     for p in range(len(pairs)):

@@ -63,14 +63,9 @@ def cross_flow(p: VesselParameters, v_r: float, r: float) -> tuple[float, float]
     Y = -1/2 rho Cd T * integral of |v + x r| (v + x r) dx, N the same with x
     (Fossen 2021, section 6.7; Faltinsen 1990, chapter 6). The Otter's set sums strips instead.
 
-    Parameters
-    ----------
-    v_r : sway velocity relative to the water, to port [m/s]
-    r : yaw rate [rad/s]
+    Returns: y [N] to port, N [N m].
 
-    Returns
-    -------
-    Y [N] to port, N [N m]
+    `v_r`: sway velocity relative to the water, to port [m/s]; `r`: yaw rate [rad/s].
     """
     if p.cross_kind == CROSS_NONE:
         return 0.0, 0.0

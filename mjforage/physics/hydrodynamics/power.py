@@ -14,9 +14,7 @@ def drawn_power(p: VesselParameters, port: float, starboard: float) -> float:
     A motor takes its rated power times (T0 / T0_max)^(3/2) of the thrust moored: momentum theory
     with one efficiency (`controllers.propulsion`).
 
-    Parameters
-    ----------
-    port, starboard : lagged commands [rad/s or N]
+    `port`, `starboard`: lagged commands [rad/s or N].
     """
     left, right = abs(thrust(p, port)) / p.rated_thrust, abs(thrust(p, starboard)) / p.rated_thrust
     return float(p.hotel + p.motor * (left * math.sqrt(left) + right * math.sqrt(right)))

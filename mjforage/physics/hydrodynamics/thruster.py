@@ -23,9 +23,7 @@ def thrust(p: VesselParameters, command: float) -> float:
     """Steady thrust of one side moored [N], ahead positive: k n |n|, or the force outside the dead
     zone.
 
-    Parameters
-    ----------
-    command : [rad/s] or [N]; beyond the range it counts as the range's end
+    `command`: [rad/s] or [N]; beyond the range it counts as the range's end.
     """
     c = saturated(p, command)
     if p.thrust_kind == THRUST_PROPELLER:
@@ -73,10 +71,7 @@ def thrust_in_step(
     Where the lagged command enters or leaves the dead zone within the step, the thrust jumps, which
     no such rule sees. The three are then those without a dead zone less the mean that it takes.
 
-    Parameters
-    ----------
-    command : within the thruster's range, [rad/s] or [N]
-    start : lagged command at the start
+    `command`: within the thruster's range, [rad/s] or [N]; `start`: lagged command at the start.
     """
     half = math.exp(-0.5 * step_s / p.lag)
     middle, end = command + (start - command) * half, command + (start - command) * half * half

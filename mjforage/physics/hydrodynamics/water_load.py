@@ -44,14 +44,12 @@ def hull_force(p: VesselParameters, u_r: float, v_r: float, r: float) -> tuple[f
     The solver has R M_A R^T in its mass matrix but does not know that M_A turns with the vessel;
     this has the terms that follow from it. The force itself is in body axes.
 
+    Returns: x forward [N], Y to port [N], N counter-clockwise [N m], at midships.
+
     Parameters
     ----------
     u_r, v_r : velocity of midships relative to the water, forward and to port [m/s]
     r : yaw rate [rad/s]
-
-    Returns
-    -------
-    X forward [N], Y to port [N], N counter-clockwise [N m], at midships
     """
     x, y, n = damping(p, u_r, v_r, r)
     x_a, y_a, n_a = added_inertial(p, u_r, v_r, r)

@@ -31,13 +31,8 @@ def wind_force(p: VesselParameters, wind_u: float, wind_v: float) -> tuple[float
     X = q A_F CDl cos(g)/den aft, Y = q A_L CDt sin(g)/den to leeward, N = (s_L - 0.18 (g - pi/2) L)
     Y, den = 1 - delta/2 (1 - CDl/CDt) sin^2(2g), q = 1/2 rho V^2.
 
-    Parameters
-    ----------
-    wind_u, wind_v : velocity of the air relative to the vessel, forward and to port [m/s]
-
-    Returns
-    -------
-    X forward [N], Y to port [N], N counter-clockwise [N m], at midships
+    `wind_u`, `wind_v`: velocity of the air relative to the vessel, forward and to port [m/s].
+    Returns: x forward [N], Y to port [N], N counter-clockwise [N m], at midships.
     """
     squared = wind_u * wind_u + wind_v * wind_v
     if squared == 0.0 or (p.wind_front == 0.0 and p.wind_side == 0.0):

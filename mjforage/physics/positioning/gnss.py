@@ -100,10 +100,8 @@ class Gnss:
     def __init__(self, sensors: Sensors, shape: tuple[int, int], tick_s: float) -> None:
         """Take the errors.
 
-        Raises
-        ------
-        UserError
-            If times are no whole number of ticks, or outages longer than the time between them.
+        Raises `UserError` if times are no whole number of ticks, or outages longer than the time
+        between them.
         """
         latency = round(sensors.latency_s / tick_s)
         if abs(latency * tick_s - sensors.latency_s) > 1e-9:

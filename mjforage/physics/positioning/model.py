@@ -61,10 +61,7 @@ POSITIONING: Registry[Callable[..., Positioning]] = Registry(
 def positioning_class(sensors: Sensors) -> Callable[..., Positioning]:
     """Class of the positioning model of a scenario.
 
-    Raises
-    ------
-    UserError
-        If there is none of that name, or it is code that the user has not named.
+    Raises `UserError` if there is none of that name, or it is code that the user has not named.
     """
     POSITIONING.check_trusted(sensors.positioning.partition("(")[0], "scenario")
     return POSITIONING.bound(sensors.positioning)[1]
@@ -73,10 +70,7 @@ def positioning_class(sensors: Sensors) -> Callable[..., Positioning]:
 def create_positioning(sensors: Sensors, shape: tuple[int, int], tick_s: float) -> Positioning:
     """A fresh model; raises as `positioning_class`, and for options that do not fit.
 
-    Parameters
-    ----------
-    shape : episodes, vessels
-    tick_s : time between two measurements [s]
+    `shape`: episodes, vessels; `tick_s`: time between two measurements [s].
     """
     made, name = positioning_class(sensors), sensors.positioning
     options = POSITIONING.bound(name)[2]

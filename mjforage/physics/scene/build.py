@@ -71,6 +71,8 @@ def build_scene(
 ) -> Scene:
     """Build a scene.
 
+    Raises `UserError` if there is no vessel, or one cannot turn in the narrowest passage.
+
     Parameters
     ----------
     vessels : at least one, in the order of the fleet
@@ -81,11 +83,6 @@ def build_scene(
     looks : class index of each item, for rendering; None leaves out everything that only looks.
         Motion is the same to the bit.
     walls : (wall, 5) outlines of quays, as of `controllers.Chart`; by default quays are cells
-
-    Raises
-    ------
-    UserError
-        If there is no vessel, or one cannot turn in the narrowest passage.
     """
     if not vessels:
         raise UserError("scene: no vessel; give at least one")
@@ -116,9 +113,7 @@ def scene_spec(
 ) -> mujoco.MjSpec:
     """A scene before MuJoCo compiles it; parameters as of `build_scene`.
 
-    Parameters
-    ----------
-    seen : of each item, the class that it looks like, or None
+    `seen`: of each item, the class that it looks like, or None.
     """
     spec = shipped_part("scene")
     _add_numerics(spec, vessels, len(seen), load_debris())
@@ -148,10 +143,7 @@ def with_bodies(scene: Scene, items: int) -> Scene:
 def check_passages(vessels: Sequence[Vessel], navigable: NDArray[np.bool_], pitch_m: float) -> None:
     """Check that every vessel can turn about midships in the narrowest passage of the map.
 
-    Raises
-    ------
-    UserError
-        If one cannot, or the map has no water.
+    Raises `UserError` if one cannot, or the map has no water.
     """
     if not navigable.any():
         raise UserError(

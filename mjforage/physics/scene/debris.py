@@ -19,9 +19,7 @@ def parking_xy(items: int) -> NDArray[np.float64]:
 def add_items(spec: mujoco.MjSpec, part: mujoco.MjSpec, looks: list[str | None]) -> None:
     """Add one body per entry of `looks`: the class it looks like, or None for a bare collider.
 
-    Parameters
-    ----------
-    part : of `models/debris.xml`
+    `part`: of `models/debris.xml`.
     """
     parts = {look: _with_look(part, look) for look in set(looks)}
     for k, look in enumerate(looks):

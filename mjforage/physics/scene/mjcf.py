@@ -12,13 +12,7 @@ def shipped_part(name: str) -> mujoco.MjSpec:
 
 
 def compiled(spec: mujoco.MjSpec, what: str) -> mujoco.MjModel:
-    """Compile a spec.
-
-    Raises
-    ------
-    UserError
-        If MuJoCo refuses it, naming `what` was built.
-    """
+    """Compile a spec; raises `UserError` if MuJoCo refuses it, naming `what` was built."""
     try:
         return spec.compile()
     except ValueError as error:

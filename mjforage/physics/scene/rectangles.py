@@ -10,13 +10,8 @@ def merged_rectangles(land: NDArray[np.bool_]) -> NDArray[np.int64]:
     In row-major order, every cell not yet covered starts a rectangle that grows east as far as it
     can and then south as far as it can.
 
-    Parameters
-    ----------
-    land : (row, column) bool
-
-    Returns
-    -------
-    ndarray, shape (rectangle, 4), int64: first row, first column, row and column past the last
+    `land`: (row, column) bool. Returns: ndarray, shape (rectangle, 4), int64: first row, first
+    column, row and column past the last.
     """
     left = np.array(land, np.bool_)
     found: list[tuple[int, int, int, int]] = []

@@ -38,17 +38,14 @@ def check_warnings(
 ) -> None:
     """Fail if a simulation has a MuJoCo warning.
 
+    Raises `InstabilityError`, naming the first such simulation.
+
     Parameters
     ----------
     model : the scene's
     warnings : (simulation, kind, 2) counters as in `mujoco.batch.Batch.warning`
     ids : simulations that were stepped
     seeds, time_s : (simulation,) names of the runs, and the time they had reached before the step
-
-    Raises
-    ------
-    InstabilityError
-        Naming the first such simulation.
     """
     if not warnings[..., COUNT].any():
         return

@@ -25,14 +25,9 @@ class MujocoVessel:
     def __init__(self, vessel: Vessel, conditions: Conditions, load: float = 0.0) -> None:
         """Put the vessel at its start.
 
-        Parameters
-        ----------
-        load : items aboard
+        Raises `UserError` if the thrusters' lag is too short for steps that follow it.
 
-        Raises
-        ------
-        UserError
-            If the thrusters' lag is too short for steps that follow it.
+        `load`: items aboard.
         """
         if vessel.lag_s < SHORTEST_LAG_S:
             raise UserError(
@@ -54,11 +49,7 @@ class MujocoVessel:
 
         None is longer than 0.05 s or than the thrusters' lag: from 2.785 lags on, Runge-Kutta of
         order 4 lets the lag oscillate between the thrusters' limits, and no warning would tell.
-
-        Raises
-        ------
-        InstabilityError
-            If the vessel's motion became unstable.
+        Raises `InstabilityError` if the vessel's motion became unstable.
         """
         data, before = self._data, np.array([self._data.time])
         parts = max(1, math.ceil(step_s / self._longest_s - ROUNDING))

@@ -66,9 +66,7 @@ class SimulatedFleet(ABC):
     ) -> None:
         """Take what does not hang on the engine.
 
-        Parameters
-        ----------
-        shift_s : time by which positions run ahead of velocities
+        `shift_s`: time by which positions run ahead of velocities.
         """
         self.simulations, self.step_s, self._shift_s = simulations, step_s, shift_s
         self._every = np.arange(simulations)

@@ -71,6 +71,8 @@ class Simulation(SimulatedFleet):
     ) -> None:
         """Set up simulations.
 
+        Raises `UserError` if the step is too long, or no callback works here.
+
         Parameters
         ----------
         step_s : time step of the physics [s], by default the integrator's own; of the reference
@@ -79,11 +81,6 @@ class Simulation(SimulatedFleet):
         seeds : (simulation,) names of the runs in error messages, by default their numbers; a text
             may say more, such as "3, episode 12"
         items : of each simulation, by default as many as the scene has bodies for them
-
-        Raises
-        ------
-        UserError
-            If the step is too long, or no callback works here.
         """
         step_s = integrator.step_s if step_s is None else step_s
         self._integrator, self._threads = integrator, threads
@@ -157,10 +154,7 @@ class Simulation(SimulatedFleet):
     def _grow(self, bodies: int) -> None:
         """Go on in a scene with bodies for so many items.
 
-        Raises
-        ------
-        UserError
-            If that is more than MuJoCo can build.
+        Raises `UserError` if that is more than MuJoCo can build.
         """
         if bodies > MOST_BODIES:
             raise UserError(
@@ -204,12 +198,8 @@ class Simulation(SimulatedFleet):
     def step(self, steps: int = 1, ids: NDArray[Any] | None = None) -> None:
         """Advance simulations (indices or mask, all by default) by `steps` time steps.
 
-        Raises
-        ------
-        InstabilityError
-            If one of them became unstable, naming its seed, the time and the body.
-        UserError
-            If more items are near vessels than there can be bodies.
+        Raises `InstabilityError` if one of them became unstable, naming its seed, the time and the
+        body; `UserError` if more items are near vessels than there can be bodies.
         """
         which = self._every if ids is None else self._every[ids]
         before = self.time_s.copy()
@@ -225,10 +215,7 @@ class Simulation(SimulatedFleet):
     def _step_items(self, ids: NDArray[np.intp], steps: int) -> None:
         """Advance vessels and items by at most `_active_steps` steps.
 
-        Raises
-        ------
-        InstabilityError
-            If an item became unstable.
+        Raises `InstabilityError` if an item became unstable.
         """
         wanted = self._activate(ids)
         if wanted > self._bodies.most:

@@ -33,17 +33,10 @@ def read_image(path: Path, name: str) -> Levels:
 
     From half as light as white a pixel is light; transparency counts as white. An image of 0 and 1
     alone has 1 light. In PGM files, and others with the greys of ROS map_server alone, a pixel is
-    light or dark where that takes it for free or occupied, and else unknown.
+    light or dark where that takes it for free or occupied, and else unknown. Raises `UserError` if
+    it is no image, damaged or too large.
 
-    Parameters
-    ----------
-    path : the file
-    name : name of the map in messages
-
-    Raises
-    ------
-    UserError
-        If it is no image, damaged or too large.
+    `path`: the file; `name`: name of the map in messages.
     """
     try:
         with warnings.catch_warnings():  # of its size, which is checked here

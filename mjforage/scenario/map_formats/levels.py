@@ -17,14 +17,9 @@ MOST_CELLS = 40_000_000  # rows times columns, beyond which the graph of a map f
 def check_size(rows: int, columns: int, name: str) -> None:
     """Refuse a map by its size, before memory is allocated for its cells.
 
-    Parameters
-    ----------
-    name : name of the map in messages
+    Raises `UserError` if it has no cell or more than `MOST_CELLS`.
 
-    Raises
-    ------
-    UserError
-        If it has no cell or more than `MOST_CELLS`.
+    `name`: name of the map in messages.
     """
     if rows < 1 or columns < 1:
         raise UserError(f"map {name}: {rows} x {columns} cells; give at least one row and column")
@@ -40,14 +35,9 @@ def levels_of(
 ) -> Levels:
     """Levels of numbers (row, column) that are 0 and 1, or 0 and 255.
 
-    Parameters
-    ----------
-    words : how errors quote the cell of a row and column of the file; by default by its number
+    Raises `UserError`, naming the first cell that is neither.
 
-    Raises
-    ------
-    UserError
-        Naming the first cell that is neither.
+    `words`: how errors quote the cell of a row and column of the file; by default by its number.
     """
     top = 255.0 if (values == 255.0).any() and not (values == 1.0).any() else 1.0
     wrong = (values != 0.0) & (values != top)

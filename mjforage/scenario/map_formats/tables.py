@@ -16,18 +16,11 @@ def read_table(path: Path, name: str) -> Levels:
     """Levels of a table in UTF-8.
 
     Fields are separated by commas, semicolons, tabs or blanks, and are numbers (0 and 1, or 0 and
-    255) or True and False. Empty lines and what follows a `#` are left out.
+    255) or True and False. Empty lines and what follows a `#` are left out. Raises `UserError` if
+    it cannot be read, is no text, empty or too long, if rows differ in length, or a cell has
+    another value.
 
-    Parameters
-    ----------
-    path : the file
-    name : name of the map in messages
-
-    Raises
-    ------
-    UserError
-        If it cannot be read, is no text, empty or too long, if rows differ in length, or a cell has
-        another value.
+    `path`: the file; `name`: name of the map in messages.
     """
     text = (line.partition("#")[0].strip() for line in _text(path, name).splitlines())
     lines = [(number, line) for number, line in enumerate(text, 1) if line]

@@ -87,9 +87,7 @@ def least_depths(
     """(row, column) least depth of the areas in each node's cell [m]: infinite where there is none,
     NaN on land.
 
-    Parameters
-    ----------
-    areas, area_depth_m : (area,) polygons in the frame of the place, and their depths [m]
+    `areas`, `area_depth_m`: (area,) polygons in the frame of the place, and their depths [m].
     """
     import shapely
 

@@ -49,14 +49,10 @@ def make_place(
 ) -> GridMap:
     """The map of a file, with its place.
 
-    Parameters
-    ----------
-    points : control points, of an image
+    Raises `UserError` if the file cannot be read, has no water there, or the arguments do not fit
+    it.
 
-    Raises
-    ------
-    UserError
-        If the file cannot be read, has no water there, or the arguments do not fit it.
+    `points`: control points, of an image.
     """
     require(f"place {path}", "pyogrio", "shapely", "pyproj")
     if not path.is_file():

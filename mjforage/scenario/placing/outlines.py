@@ -41,10 +41,8 @@ class Outlines:
 def read_outlines(path: Path, box: Box | None) -> Outlines:
     """All features with a geometry, in a box if one is given.
 
-    Raises
-    ------
-    UserError
-        If GDAL cannot read the file, or it has no features there or no coordinate system.
+    Raises `UserError` if GDAL cannot read the file, or it has no features there or no coordinate
+    system.
     """
     try:
         with warnings.catch_warnings():
@@ -61,9 +59,7 @@ def read_outlines(path: Path, box: Box | None) -> Outlines:
 def _read(path: Path, box: Box | None, index: bool = True) -> Outlines:
     """As `read_outlines`, with errors of pyogrio.
 
-    Parameters
-    ----------
-    index : numbers of nodes ascend and are above 0, as in extracts but not in files of editors
+    `index`: numbers of nodes ascend and are above 0, as in extracts but not in files of editors.
     """
     from pyogrio import list_layers, read_info, set_gdal_config_options
 

@@ -34,14 +34,9 @@ def control_point(text: str) -> Point:
 def image_water(path: Path, colours: Sequence[str]) -> NDArray[np.bool_]:
     """(row, column) of an image, its light pixels, its dark ones, or those of colours.
 
-    Parameters
-    ----------
-    colours : "light", "dark", or colours such as #aad3df; none: light
+    Raises `UserError` if the image cannot be read, or no pixel has one of the colours.
 
-    Raises
-    ------
-    UserError
-        If the image cannot be read, or no pixel has one of the colours.
+    `colours`: "light", "dark", or colours such as #aad3df; none: light.
     """
     words = list(colours) or ["light"]
     plain = read_cells(path, path.name, "dark" if words == ["dark"] else "light")

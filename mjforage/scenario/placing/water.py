@@ -82,15 +82,12 @@ def water_of(
 ) -> tuple[Any, Depths, list[str]]:
     """The water in a box, as one geometry, its depths, and remarks on how it was found.
 
+    Raises `UserError` if a filter fits no feature, or none is water or land.
+
     Parameters
     ----------
     shapes : (feature,) of the outlines' tags, valid, in the frame of the place [m]
     box : polygon of the place
-
-    Raises
-    ------
-    UserError
-        If a filter fits no feature, or none is water or land.
     """
     import shapely
 

@@ -40,6 +40,8 @@ def shown(value: object) -> str:
 def check(schema: type[_T], tree: object, where: str, *, remedy: str = "", **given: Any) -> _T:
     """The instance that a tree describes.
 
+    Raises `UserError` for an unknown or missing key, a wrong type or a value out of range.
+
     Parameters
     ----------
     schema : a frozen dataclass
@@ -47,11 +49,6 @@ def check(schema: type[_T], tree: object, where: str, *, remedy: str = "", **giv
     where : start of error messages; may be empty
     remedy : end of the messages, for files that are not written by hand
     given : fields that are no keys of the file (`NotInFile`)
-
-    Raises
-    ------
-    UserError
-        For an unknown or missing key, a wrong type or a value out of range.
     """
     if isinstance(tree, Mapping):
         for key in given.keys() & tree.keys():
@@ -64,10 +61,7 @@ def check(schema: type[_T], tree: object, where: str, *, remedy: str = "", **giv
 def check_fields(instance: Any, where: str) -> None:
     """Check a dataclass that code makes, from its `__post_init__`; integers become floats.
 
-    Raises
-    ------
-    UserError
-        As `check`.
+    Raises `UserError` as `check`.
     """
     fields = {f.name: getattr(instance, f.name) for f in dataclasses.fields(instance)}
     schema: Any = type(instance)

@@ -105,10 +105,7 @@ def _default(node: Tree) -> str:
 def explain(schema: Any, key: str) -> list[Row]:
     """The row of a key, and those in it if it is a table; a team's name stands for any.
 
-    Raises
-    ------
-    UserError
-        If there is no such key, with the nearest one.
+    Raises `UserError` if there is no such key, with the nearest one.
     """
     root = json_schema(schema)
     place, node, prefix = [], root, ""

@@ -37,9 +37,7 @@ def create_term(text: str) -> Term:
 
     Raises `UserError` as `term_class`; a `ValueError` of its `__init__` becomes part of it.
 
-    Parameters
-    ----------
-    text : NAME or `package.module:Class`, with options in parentheses
+    `text`: NAME or `package.module:Class`, with options in parentheses.
     """
     return built(f"reward {text}", term_class(text), **REWARDS.bound(text)[2])
 

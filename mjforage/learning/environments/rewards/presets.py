@@ -27,9 +27,7 @@ def mission(gamma: float = GAMMA) -> dict[str, float]:
     An item counts 100 / n of n, and up to a tenth more by when; one that is only known, or near a
     collector too, at most .04 or .24 of that.
 
-    Parameters
-    ----------
-    gamma : discount of the learner per step of the environment
+    `gamma`: discount of the learner per step of the environment.
     """
     return {
         "collected": 100.0,

@@ -22,13 +22,7 @@ class Critic(nn.Module):
     """Values in units of the returns' spread, see `trainer`."""
 
     def __init__(self, shapes: Shapes, teams: Sequence[NDArray[np.int64]]) -> None:
-        """Build.
-
-        Parameters
-        ----------
-        shapes : of one agent's arrays
-        teams : agents of each team
-        """
+        """Build; `shapes`: of one agent's arrays; `teams`: agents of each team."""
         super().__init__()
         self.teams = [torch.from_numpy(ids.astype(np.int64)) for ids in teams]
         every = shapes | CRITIC_FEATURES

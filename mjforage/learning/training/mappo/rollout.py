@@ -53,9 +53,7 @@ class Rollout:
     def finished(self, last: NDArray[np.float32]) -> Decisions:
         """All of the round.
 
-        Parameters
-        ----------
-        last : (env, agent) values of what was seen after each episode's last decision
+        `last`: (env, agent) values of what was seen after each episode's last decision.
         """
         levels = {
             name: np.concatenate([each.pop(name) for each in self._levels])

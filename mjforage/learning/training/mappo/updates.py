@@ -87,12 +87,7 @@ class Updates:
     def __init__(
         self, actors: Actors, critic: Critic, names: list[str], settings: MappoHyperparameters
     ) -> None:
-        """Prepare.
-
-        Parameters
-        ----------
-        names : of the arrays that an agent sees; the others are the critic's alone
-        """
+        """Prepare; `names`: of the arrays that an agent sees; the others are the critic's alone."""
         self.actors, self.critic, self.settings, self.updates = actors, critic, settings, 0
         self.names, self.norm = names, PopArtValueNorm(shape=1)
         self.real = _Real(critic, self.norm)
@@ -130,9 +125,7 @@ class Updates:
     ) -> list[dict[str, float]]:
         """Some epochs over a round; the losses of each update.
 
-        Parameters
-        ----------
-        taught : True if actors learn the moves that a teacher has demonstrated, instead of by PPO
+        `taught`: True if actors learn the moves that a teacher has demonstrated, instead of by PPO.
         """
         settings = self.settings
         with one_thread():
