@@ -12,7 +12,7 @@ from mjforage.base.errors import UserError
 from mjforage.scenario.sizes import check_memory
 
 UNPACKED = 40  # bytes of a number in memory, with the copies that are made of a table
-AGAIN = "run what wrote it again"
+_AGAIN = "run what wrote it again"
 FAILURES = (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException)
 
 
@@ -27,7 +27,7 @@ def read_schema(path: Path, remedy: str = "") -> dict[str, pl.DataType]:
     remedy : last words of a message; to move the file away and compute it again if empty
     """
     if not path.exists():
-        raise UserError(f"{path}: missing, as in a run that is not finished; {remedy or AGAIN}")
+        raise UserError(f"{path}: missing, as in a run that is not finished; {remedy or _AGAIN}")
     try:
         if not path.is_file():
             raise FileNotFoundError("no file")
@@ -120,9 +120,9 @@ def join_parquet(sources: Iterable[Path], target: Path) -> None:
         frame.sink_parquet(beside, compression="zstd")
 
 
-def spoilt(path: Path) -> str:
-    """The remedy for a file of which no maker is known."""
-    return f"move {path} away and {AGAIN}"
+def spoilt(path: Path, again: str = _AGAIN) -> str:
+    """The remedy for a spoilt file or folder; `again`: what makes it, by default not known."""
+    return f"move {path} away and {again}"
 
 
 def _reason(error: Exception) -> str:

@@ -22,7 +22,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import file_label
 from mjforage.runs.costs import Cost
 from mjforage.runs.lock import folder_lock
-from mjforage.runs.parquet import join_parquet, parquet_bytes
+from mjforage.runs.parquet import join_parquet, parquet_bytes, spoilt
 from mjforage.runs.resuming import CODE, found_in, open_folder
 from mjforage.runs.run_info import AGAIN, read_json
 from mjforage.runs.tables import KEYS, TABLES, check_table, read_table
@@ -91,7 +91,7 @@ class RunFolder:
         for table in TABLES:
             if (self.path / f"{table}.parquet").exists():
                 path = self.path / f"{table}.parquet"
-                check_table(path, table, self._moved(path))
+                check_table(path, table, spoilt(path, AGAIN))
         return info
 
     def lock(self) -> contextlib.AbstractContextManager[None]:
@@ -124,7 +124,7 @@ class RunFolder:
             return False
         for table in TABLES:
             path = folder / f"{table}.parquet"
-            remedy = self._moved(folder)
+            remedy = spoilt(folder, AGAIN)
             _check_keys(path, read_table(path, table, remedy), chunk.keys, remedy)
         self.costs([chunk])
         return True
@@ -206,7 +206,7 @@ class RunFolder:
     def table(self, name: str) -> pl.DataFrame:
         """A merged table; raises `UserError` if it is missing, truncated or foreign."""
         path = self.path / f"{name}.parquet"
-        return read_table(path, name, self._moved(path) if path.exists() else AGAIN)
+        return read_table(path, name, spoilt(path, AGAIN) if path.exists() else AGAIN)
 
     def episodes(self, chunks: list[Chunk]) -> pl.DataFrame:
         """The merged table of episodes.
@@ -216,12 +216,8 @@ class RunFolder:
         """
         path, table = self.path / "episodes.parquet", self.table("episodes")
         keys = [key for chunk in chunks for key in chunk.keys]
-        _check_keys(path, table, keys, self._moved(path))
+        _check_keys(path, table, keys, spoilt(path, AGAIN))
         return table
-
-    def _moved(self, what: Path) -> str:
-        """Remedy for a spoilt file or folder of this run."""
-        return f"move {what} away and {AGAIN}"
 
 
 def _check_keys(
