@@ -18,8 +18,9 @@ from mjforage.graph_planner.encodings.masks import legal_of_agent
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.networks.inference import BLOCK, one_thread
 from mjforage.learning.environments.spaces import MASK, Arrays, values
-from mjforage.mission.moves import CHOSEN, OTHERWISE_STAY, Corruption, Resolver
+from mjforage.mission.moves import CHOSEN, OTHERWISE_STAY
 from mjforage.mission.plain import Plain
+from mjforage.mission.resolver import Corruption, Resolver
 from mjforage.mission.task import Observation, Task
 
 Rows = NDArray[np.int64]

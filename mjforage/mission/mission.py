@@ -25,9 +25,10 @@ from mjforage.mission.initial_state import InitialState
 from mjforage.mission.knowledge import Knowledge, Scans, idleness, times_seen
 from mjforage.mission.ledger import Ledger
 from mjforage.mission.link import exchange_of
-from mjforage.mission.moves import Moves, Resolver, check_preferences
+from mjforage.mission.moves import Moves
 from mjforage.mission.observing import Observing
 from mjforage.mission.policy import Policy, UpperBound
+from mjforage.mission.resolver import Resolver, check_preferences
 from mjforage.mission.sensors.sensing import map_filter, no_shown
 from mjforage.mission.sensors.sensing_update import SensingUpdate
 from mjforage.mission.setup import Setup

@@ -15,7 +15,8 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.mission.initial_state import InitialState, create_initial_state, nodes_around
 from mjforage.mission.link.reach import reach_m
-from mjforage.mission.moves import Corruption, MoveRules, reachable_share
+from mjforage.mission.moves import MoveRules, reachable_share
+from mjforage.mission.resolver import Corruption
 from mjforage.mission.task import Task
 from mjforage.scenario.draughts import afloat, check_afloat
 from mjforage.scenario.maps import (

@@ -19,7 +19,8 @@ from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
 from mjforage.physics.worlds import WORLDS
 from mjforage.scenario.faults import Faults
 from mjforage.scenario.place import Place
-from mjforage.scenario.scenario import POSITIONING_KEYS, Physics, Scenario, Sensors, Weather
+from mjforage.scenario.scenario import Physics, Scenario, Weather
+from mjforage.scenario.sensors import POSITIONING_KEYS, Sensors
 from mjforage.scenario.vessel_files import hull_names
 
 RK4_LIMIT = 2.785

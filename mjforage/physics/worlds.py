@@ -20,7 +20,8 @@ from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
-from mjforage.scenario.scenario import POSITIONING_KEYS, Scenario, Sensors
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.sensors import POSITIONING_KEYS, Sensors
 
 World = Literal["graph", "hulls", "calibrated", "debris", "intake", "physics"]
 NAMES: tuple[World, ...] = get_args(World)

@@ -27,8 +27,9 @@ from mjforage.physics.worlds import WORLDS
 from mjforage.runs.fingerprint import Code, our_code, outside_code
 from mjforage.runs.resuming import UNCOMPARED
 from mjforage.scenario.capture import load_capture, usual_capture
-from mjforage.scenario.scenario import Scenario, Sensors
+from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import canonical_json, scenario_to_tree
+from mjforage.scenario.sensors import Sensors
 from mjforage.scenario.vessel_files import hull_names, vessel_path
 
 WARP = "mujoco-warp", "warp-lang"  # libraries that move hulls on a device

@@ -18,17 +18,12 @@ from mjforage.base.toml_files import read_toml
 from mjforage.scenario.assets import named_file, shipped_files
 from mjforage.scenario.faults import check_faults
 from mjforage.scenario.harbours import is_harbour
+from mjforage.scenario.link import SCAN_BYTES, Link
 from mjforage.scenario.map_files import is_shipped_map
 from mjforage.scenario.place import is_place
-from mjforage.scenario.scenario import (
-    POSITIONING_KEYS,
-    SCAN_BYTES,
-    Link,
-    Scenario,
-    Sensors,
-    Weather,
-)
+from mjforage.scenario.scenario import Scenario, Weather
 from mjforage.scenario.schema import NAME, check, rows, shown
+from mjforage.scenario.sensors import POSITIONING_KEYS, Sensors
 
 Tree = dict[str, Any]
 

@@ -12,7 +12,8 @@ from mjforage.controllers import Chart, Pilot
 from mjforage.controllers.chart import LandArray
 from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
-from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver
+from mjforage.mission.moves import MoveRules, Moves
+from mjforage.mission.resolver import Corruption, Resolver
 from mjforage.physics.dynamics.touch import touches
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation

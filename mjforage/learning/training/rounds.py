@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.core import EnvironmentCore
-from mjforage.mission.moves import check_preferences
 from mjforage.mission.policy import Policy
+from mjforage.mission.resolver import check_preferences
 
 _Kind = TypeVar("_Kind", bound=np.generic)
 

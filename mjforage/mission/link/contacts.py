@@ -16,8 +16,8 @@ from mjforage.mission.link.propagation import (
     two_ray_loss_db,
     walls_between,
 )
+from mjforage.scenario.link import Link
 from mjforage.scenario.roles import Fleet
-from mjforage.scenario.scenario import Link
 
 MODELS = ("none", "disk", "log-distance", "two-ray")
 _NONE, _DISK, _LOG_DISTANCE = range(3)

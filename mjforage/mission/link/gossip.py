@@ -16,7 +16,7 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.link.contacts import Contacts
 from mjforage.mission.link.propagation import packet_error
 from mjforage.mission.scan_log import ScanLog
-from mjforage.scenario.scenario import NODE_BYTES, SCAN_BYTES
+from mjforage.scenario.link import NODE_BYTES, SCAN_BYTES
 
 NOT_RECEIVED = -1
 LAST = np.iinfo(np.int16).max  # step of what arrives after the end

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.mission.link.propagation import log_distance_loss_db, packet_error, two_ray_loss_db
-from mjforage.scenario.scenario import SCAN_BYTES, Link
+from mjforage.scenario.link import SCAN_BYTES, Link
 
 EVEN = 0.5  # chance at which a scan counts as garbled
 _FARTHEST_M, _SOUNDINGS = 1e6, 2000

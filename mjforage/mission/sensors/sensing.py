@@ -21,7 +21,8 @@ from mjforage.mission.scan_log import widest_view
 from mjforage.mission.sensors.detection import chances_by_square, squares_in_view
 from mjforage.mission.sensors.map_filter import NOT_SEEN, MapFilter
 from mjforage.mission.task import Task
-from mjforage.scenario.scenario import Scenario, Sensors
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.sensors import Sensors
 
 _EDGE = 1e-9  # of the cosine at which a field of view ends
 

@@ -15,7 +15,7 @@ from mjforage.mission.ledger import Ledger, count, credit
 from mjforage.mission.sensors.map_filter import MapFilter, add_scan, correct, round_off
 from mjforage.mission.sensors.sensing import Sensing, sense, sensing
 from mjforage.mission.task import Task
-from mjforage.scenario.scenario import Sensors
+from mjforage.scenario.sensors import Sensors
 
 
 class SensorConfig(NamedTuple):

@@ -17,7 +17,8 @@ from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.vessels import Vessel
 from mjforage.scenario.capture import QUAYS, Quays
 from mjforage.scenario.roles import Fleet, Role
-from mjforage.scenario.scenario import MapChoice, Physics, Scenario, Sensors, Weather
+from mjforage.scenario.scenario import MapChoice, Physics, Scenario, Weather
+from mjforage.scenario.sensors import Sensors
 
 FloatArray = NDArray[np.float64]
 

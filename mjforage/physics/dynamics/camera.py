@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import Stream, normal, stream_key
-from mjforage.scenario.scenario import Sensors
+from mjforage.physics.dynamics.ticks import CONTROL_S, whole_times
+from mjforage.scenario.sensors import Sensors
 
 FloatArray = NDArray[np.float64]
 
@@ -42,6 +43,16 @@ def camera_of(sensors: Sensors, period: int, latency: int) -> Camera:
         math.radians(sensors.heading_noise_deg),
         period,
         latency,
+    )
+
+
+def ticked_camera(sensors: Sensors) -> Camera:
+    """The camera of a scenario; raises `UserError` if its times are no whole numbers of ticks."""
+    period, latency = sensors.camera_period_s, sensors.camera_latency_s
+    return camera_of(
+        sensors,
+        whole_times(period, CONTROL_S, f"sensors.camera_period_s = {period:g} s"),
+        whole_times(latency, CONTROL_S, f"sensors.camera_latency_s = {latency:g} s", 0),
     )
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.device import Launch
+from mjforage.base.errors import UserError
 from mjforage.controllers.chart import is_land
 from mjforage.mission.dynamics import Transition
 from mjforage.mission.task import IDLE, MISSED, TAKEN, UNREACHABLE
@@ -88,7 +89,15 @@ class Mouths(NamedTuple):
 
 
 def mouths_of(physics: Physics, vessels: int, tick_s: float) -> Mouths:
-    """Mouths of a scenario's vessels, in no episode yet."""
+    """Mouths of a scenario's vessels, in no episode yet.
+
+    Raises `UserError` if items without bodies shall enter one.
+    """
+    if physics.capture == "intake" and physics.items != "bodies":
+        raise UserError(
+            f"physics.capture = 'intake' with physics.items = {physics.items!r}: items without "
+            "bodies enter no mouth; set physics.capture=node or physics.items=bodies"
+        )
     rate = physics.intake_rate_per_s
     pause_s = 0.0 if rate is None else 1.0 / rate
     none = np.zeros((0, vessels))

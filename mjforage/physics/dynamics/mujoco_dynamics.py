@@ -26,7 +26,7 @@ from mjforage.mission.moves import Moves
 from mjforage.mission.task import IDLE
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.berths import berths, clear_of_walls, turn_of
-from mjforage.physics.dynamics.camera import camera_of
+from mjforage.physics.dynamics.camera import ticked_camera
 from mjforage.physics.dynamics.collecting import (
     Attempts,
     Goal,
@@ -104,27 +104,17 @@ class MujocoDynamics:
         self._rule = None if self._bodies else item_rule(graph, fleet, scenario, place)
         certain = not self._intake and (self._rule is None or self._rule.chances is None)
         self.pickup = None if certain else pickup_of(fleet, scenario)
-        if self._intake and not self._bodies:
-            raise UserError(
-                "physics.capture = 'intake' with physics.items = 'graph': items without bodies "
-                "enter no mouth; set physics.capture=node or physics.items=bodies"
-            )
+        self._mouths = mouths_of(self._choice, len(fleet), CONTROL_S)
         self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names), place)
         self._models = [vessel_model(vessel) for vessel in known_vessels(fleet, self._choice)]
         create_positioning(scenario.sensors, (0, len(fleet)), CONTROL_S)
         self._chart = Chart(graph.navigable, graph.pitch_m, self._scene.walls)
         self._grid = LandGrid(self._chart.land, graph.pitch_m)
-        period, latency = scenario.sensors.camera_period_s, scenario.sensors.camera_latency_s
-        self._camera = camera_of(
-            scenario.sensors,
-            whole_times(period, CONTROL_S, f"sensors.camera_period_s = {period:g} s"),
-            whole_times(latency, CONTROL_S, f"sensors.camera_latency_s = {latency:g} s", 0),
-        )
+        self._camera = ticked_camera(scenario.sensors)
         self._has_camera = self._intake and scenario.sensors.camera_noise_m > 0.0
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
         narrow = self._has_camera and scenario.sensors.camera_fov_deg < 360.0
         self._reach = Reach(fleet.collects, self._size, self._grid, narrow)
-        self._mouths = mouths_of(self._choice, len(fleet), CONTROL_S)
         self._monitor_setup = MonitorSetup(
             pack_fleet(self._vessels), self._size, *self._grid, CONTROL_S
         )

@@ -20,7 +20,7 @@ from mjforage.base.wholes import floor
 from mjforage.controllers.navigation import SensorErrors
 from mjforage.forcing.gauss_markov import gauss_markov_pair
 from mjforage.physics.positioning.model import POSITIONING, FloatArray, Measured
-from mjforage.scenario.scenario import Sensors
+from mjforage.scenario.sensors import Sensors
 
 
 class Outages(NamedTuple):

@@ -10,7 +10,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.registry import Registry, built
 from mjforage.controllers.navigation import SensorErrors
-from mjforage.scenario.scenario import Sensors
+from mjforage.scenario.sensors import Sensors
 
 FloatArray = NDArray[np.float64]
 

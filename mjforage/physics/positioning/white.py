@@ -9,7 +9,7 @@ from mjforage.base.compiled import kernel
 from mjforage.base.device import Launch
 from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key
 from mjforage.physics.positioning.model import POSITIONING, FloatArray, Measured
-from mjforage.scenario.scenario import Sensors
+from mjforage.scenario.sensors import Sensors
 
 
 @kernel

@@ -10,8 +10,9 @@ from dataclasses import replace
 from mjforage.runs.studies.axes import OWN, along, axes_of
 from mjforage.runs.studies.study import Variant
 from mjforage.runs.studies.variants import COMPLETE
+from mjforage.scenario.link import Link
 from mjforage.scenario.roles import Role
-from mjforage.scenario.scenario import Link, Scenario
+from mjforage.scenario.scenario import Scenario
 
 IDEAL = "ideal link"
 

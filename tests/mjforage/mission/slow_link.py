@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from mjforage.base.randomness import Stream, normal, stream_key
-from mjforage.scenario.scenario import Link
+from mjforage.scenario.link import Link
 from tests.mjforage.mission.slow_map import SlowMap
 from tests.mjforage.mission.slow_minds import Scan, drawn
 

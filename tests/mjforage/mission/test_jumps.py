@@ -9,15 +9,8 @@ from mjforage.graph_planner.encodings import LegalMoves
 from mjforage.graph_planner.encodings.masks import legal_of_agent
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, navigation_graph
 from mjforage.mission.mission import Mission
-from mjforage.mission.moves import (
-    FINAL,
-    Corruption,
-    MoveRules,
-    Moves,
-    Resolver,
-    all_targets,
-    reachable_share,
-)
+from mjforage.mission.moves import FINAL, MoveRules, Moves, all_targets, reachable_share
+from mjforage.mission.resolver import Corruption, Resolver
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import NEVER
 from mjforage.physics.worlds import create_mission

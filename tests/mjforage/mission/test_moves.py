@@ -5,14 +5,8 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
-from mjforage.mission.moves import (
-    Corruption,
-    MoveRules,
-    Moves,
-    Resolver,
-    free_move,
-    reachable_share,
-)
+from mjforage.mission.moves import MoveRules, Moves, free_move, reachable_share
+from mjforage.mission.resolver import Corruption, Resolver
 from mjforage.mission.task import Task
 from mjforage.scenario.roles import Fleet, Role
 from tests.graph_planner.charts import grid

@@ -9,7 +9,8 @@ import pytest
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import COMPASS
 from mjforage.mission.task import Task
-from mjforage.scenario.scenario import CorruptionChoice, Items, Link, MapChoice, Rules, Weather
+from mjforage.scenario.link import Link
+from mjforage.scenario.scenario import CorruptionChoice, Items, MapChoice, Rules, Weather
 from tests.mjforage.mission.by_hand import CALM, PERIOD_S, PITCH_M, SCENARIO, by_hand, water
 
 KEYS = episode_keys(3, np.arange(4))

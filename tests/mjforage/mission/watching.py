@@ -14,8 +14,8 @@ from mjforage.mission.sensors.sensing import map_filter, no_shown
 from mjforage.mission.sensors.sensing_update import SensingUpdate
 from mjforage.mission.task import Task
 from mjforage.scenario.roles import Fleet, Role
-from mjforage.scenario.scenario import Sensors
 from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.sensors import Sensors
 
 
 def task_of(shape: tuple[int, int], **teams: Role) -> Task:

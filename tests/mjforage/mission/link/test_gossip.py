@@ -17,7 +17,7 @@ from mjforage.mission.link.gossip import (
 )
 from mjforage.mission.link.reach import reach_m
 from mjforage.mission.scan_log import ScanLog
-from mjforage.scenario.scenario import Link
+from mjforage.scenario.link import Link
 
 AGENTS, HORIZON = 3, 8
 KEYS, HERE = np.array([5], np.uint64), np.array([True])

@@ -17,7 +17,7 @@ from mjforage.mission.link.propagation import (
     walls_between,
 )
 from mjforage.mission.link.reach import reach_m
-from mjforage.scenario.scenario import Link
+from mjforage.scenario.link import Link
 
 WIFI_HZ = 2.4e9
 

@@ -9,8 +9,8 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.visibility import disc_offsets
 from mjforage.mission.sensors.detection import chances_by_square, corrected
 from mjforage.scenario.roles import Role
-from mjforage.scenario.scenario import Sensors
 from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.sensors import Sensors
 from tests.mjforage.mission.watching import Watched, task_of
 
 SCOUT = Role(count=1, moves=1, radius=4.0, collects=False)

@@ -9,7 +9,7 @@ from mjforage.base.randomness import episode_keys
 from mjforage.physics.dynamics.camera import camera_of, sight_items, variance
 from mjforage.physics.dynamics.tracks import ItemTracks
 from mjforage.physics.worlds import create_mission
-from mjforage.scenario.scenario import Sensors
+from mjforage.scenario.sensors import Sensors
 from tests.mjforage.physics.dynamics.test_mujoco_dynamics import setup_of
 
 EXACT = Sensors(camera_range_noise_per_m=0.0, camera_fov_deg=360.0, camera_range_m=1e4)

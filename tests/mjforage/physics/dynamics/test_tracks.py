@@ -18,7 +18,7 @@ from mjforage.physics.dynamics.tracks import (
     note_sighting,
     tracked,
 )
-from mjforage.scenario.scenario import Sensors
+from mjforage.scenario.sensors import Sensors
 
 STEP_S = 0.1
 OPEN = LandGrid(np.zeros((0, 0), np.bool_), 4.0)

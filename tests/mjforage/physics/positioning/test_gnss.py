@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.physics.positioning import Measured, create_positioning
-from mjforage.scenario.scenario import Sensors
+from mjforage.scenario.sensors import Sensors
 
 TICK_S = 0.1
 EXACT = 1e-12

@@ -19,8 +19,9 @@ from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.positioning import Measured
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.roles import Role
-from mjforage.scenario.scenario import Items, MapChoice, Physics, Sensors, Weather
+from mjforage.scenario.scenario import Items, MapChoice, Physics, Weather
 from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.sensors import Sensors
 from tests.mjforage.mission.by_hand import by_hand
 from tests.mjforage.physics.validation.mission_checks import KEYS
 

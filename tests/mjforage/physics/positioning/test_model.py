@@ -19,8 +19,8 @@ from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.positioning import POSITIONING, Measured, create_positioning
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.identity import scenario_parts
-from mjforage.scenario.scenario import Sensors
 from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.sensors import Sensors
 
 FloatArray = NDArray[np.float64]
 

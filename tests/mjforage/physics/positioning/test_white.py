@@ -3,7 +3,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.randomness import episode_keys
 from mjforage.physics.positioning import Measured, create_positioning
-from mjforage.scenario.scenario import Sensors
+from mjforage.scenario.sensors import Sensors
 
 KEYS = episode_keys(0, np.arange(2000))
 POSE = np.tile(np.array([1.0, -2.0, 0.5]), (2000, 3, 1))

@@ -18,7 +18,8 @@ from mjforage.physics.vessel_checks import Float64Array
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.scenario.debris import load_debris
 from mjforage.scenario.roles import Role
-from mjforage.scenario.scenario import Items, MapChoice, Physics, Sensors, Weather
+from mjforage.scenario.scenario import Items, MapChoice, Physics, Weather
+from mjforage.scenario.sensors import Sensors
 from tests.mjforage.mission.by_hand import by_hand
 from tests.mjforage.physics.validation.measures import Measures, at_most, check, near, near_share
 from tests.mjforage.physics.validation.momentum import MomentumVessel

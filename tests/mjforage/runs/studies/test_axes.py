@@ -5,7 +5,7 @@ import math
 import pytest
 
 from mjforage.runs.studies.axes import Axis, Point, along, changed
-from mjforage.scenario.scenario import Link
+from mjforage.scenario.link import Link
 from mjforage.scenario.scenario_file import load_scenario
 
 FAR = Point(math.inf)

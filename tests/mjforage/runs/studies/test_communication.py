@@ -10,7 +10,8 @@ from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.studies.communication import AXES, RELAY, communication
 from mjforage.runs.studies.study import Variant
-from mjforage.scenario.scenario import Link, Scenario
+from mjforage.scenario.link import Link
+from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import (
     canonical_json,
     load_scenario,
