@@ -78,6 +78,8 @@ class Stream(IntEnum):
     """Constant error of the compass, keyed by vessel."""
     FAULTS = 24
     """Times at which thrusters fail, keyed by thruster."""
+    VESSELS = 25
+    """Factors on mass, drag and thrust, keyed by vessel."""
     VARIANT = 32
     """Variant of its scenario that an episode of training has."""
     HARBOUR = 33

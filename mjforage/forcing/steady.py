@@ -13,6 +13,7 @@ from mjforage.scenario.scenario import Weather
 
 LEEWAY = 0.03  # of the wind, at which an item drifts by the paper's rule
 _DIRECTION = 1000  # step of a drawn direction in its stream, away from the other draws
+_SPEED = 1001  # step of a drawn speed
 FloatArray = NDArray[np.float64]
 
 
@@ -24,11 +25,17 @@ class SteadyWind(NamedTuple):
 
 
 @kernel
-def _steady_vectors(keys: UInt64Array, stream: int, speed: float, direction: float) -> FloatArray:
-    """Vectors (episode, 2) in (x, y) of one speed; a direction that is NaN is drawn per episode."""
+def _steady_vectors(
+    keys: UInt64Array, stream: int, mean: float, spread: float, direction: float
+) -> FloatArray:
+    """Vectors (episode, 2) in (x, y), of speeds uniform in `mean` times 1 +- `spread`.
+
+    A direction that is NaN is drawn per episode.
+    """
     result = np.empty((keys.size, 2))
     for e in range(keys.size):
-        angle = direction
+        angle, draw = direction, uniform(stream_key(keys[e], stream), 0, _SPEED)
+        speed = mean * (1.0 + spread * (2.0 * draw - 1.0))
         if math.isnan(angle):
             angle = 2.0 * math.pi * uniform(stream_key(keys[e], stream), 0, _DIRECTION)
         result[e, 0], result[e, 1] = speed * math.cos(angle), speed * math.sin(angle)
@@ -70,7 +77,7 @@ def steady_wind(
     speed, origin = weather.wind_speed_mps, weather.wind_from_deg
     if speed is not None:
         toward = math.nan if origin is None else wind_direction(origin - north_deg)
-        wind = _steady_vectors(keys, Stream.WEATHER, speed, toward)
+        wind = _steady_vectors(keys, Stream.WEATHER, speed, weather.wind_spread, toward)
         return SteadyWind(wind, LEEWAY / node_mps * to_rc(wind))
     least, largest = np.array(weather.drift_ranges, np.float64).T
     half, middle, drawn = (largest - least) / 2, (largest + least) / 2, _drawn(keys)
@@ -82,4 +89,5 @@ def steady_current(keys: UInt64Array, weather: Weather, north_deg: float = 0.0) 
     """(episode, 2) constant part of the free stream in (x, y) [m/s]; see `steady_wind`."""
     to = weather.current_to_deg
     toward = math.nan if to is None else flow_direction(to - north_deg)
-    return _steady_vectors(keys, Stream.CURRENT, weather.current_speed_mps, toward)
+    about = weather.current_speed_mps, weather.current_spread, toward
+    return _steady_vectors(keys, Stream.CURRENT, *about)

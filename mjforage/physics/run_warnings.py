@@ -43,7 +43,11 @@ PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics | Faults, tuple[str, ...]
     ),
     ("sensors", Sensors(), (*POSITIONING_KEYS, "camera_noise_m")),
     ("faults", Faults(), ("team", "rate_per_h")),
-    ("physics", Physics(), ("capture", "item_classes", "integrator", "step_s", "scale")),
+    (
+        "physics",
+        Physics(),
+        ("capture", "item_classes", "integrator", "step_s", "scale", "spread", "device"),
+    ),
 )
 """Tables of a scenario, as if nothing were given, and their keys that not every world feels."""
 
@@ -197,7 +201,7 @@ def _most_wind_mps(scenario: Scenario) -> float:
     if weather.file is not None and (wind := read_record(weather.file).wind) is not None:
         return float(np.hypot(wind[..., 0], wind[..., 1]).max())
     if weather.wind_speed_mps is not None:
-        return weather.wind_speed_mps
+        return weather.wind_speed_mps * (1.0 + weather.wind_spread)
     most = math.hypot(*(max(map(abs, bounds)) for bounds in weather.drift_ranges))
     return most * scenario.map.pitch_m / scenario.period_s / LEEWAY
 

@@ -2,8 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.physics.vessels import ForceThruster, Propeller, Vessel, check_vessel
-from mjforage.scenario.scenario import Scale
+from mjforage.scenario.scenario import Scale, Spread
 
 _RIGID = ("mass_kg", "inertia_z_kgm2")
 _ADDED = ("added_mass_surge_kg", "added_mass_sway_kg", "added_mass_yaw_kgm2")
@@ -34,6 +39,28 @@ def scaled(vessel: Vessel, scale: Scale) -> Vessel:
         ),
     )
     check_vessel(found, f"vessel {vessel.name} with physics.scale")
+    return found
+
+
+@kernel
+def _deviations(
+    keys: UInt64Array, shares: tuple[float, float, float], out: NDArray[np.float64]
+) -> None:
+    """Draw (episode, vessel, 3) numbers, uniform in +- each share."""
+    for e in range(keys.size):
+        key = stream_key(keys[e], Stream.VESSELS)
+        for v in range(out.shape[1]):
+            for part in range(3):
+                out[e, v, part] = shares[part] * (2.0 * uniform(key, v, part) - 1.0)
+
+
+def deviations(spread: Spread, vessels: int, keys: UInt64Array) -> NDArray[np.float64]:
+    """Shares (episode, vessel, 3) by which mass, drag and thrust exceed those of the scenario.
+
+    `keys`: (episode,).
+    """
+    found = np.empty((keys.size, vessels, 3))
+    _deviations(keys, (spread.mass, spread.drag, spread.thrust), found)
     return found
 
 

@@ -47,7 +47,7 @@ def _add_loads(
     """Force and rows of M of vessel v of world w, as `callback.forces` has them."""
     w, v = wp.tid()  # type: ignore[misc]
     i, p, about = 3 * v, parameters[v], around[w, v]
-    body = _inertia(p, about.load)
+    body = _inertia(p, about.load, about.mass)
     command = wp.vec2(ctrl[w, 2 * v], ctrl[w, 2 * v + 1])
     lagged = wp.vec2(act[w, 2 * v], act[w, 2 * v + 1])
     yaw, vx, vy, r = qpos[w, i + 2], qvel[w, i], qvel[w, i + 1], qvel[w, i + 2]
@@ -118,7 +118,8 @@ class WarpHulls:
             self._parameters: Any = wp.array(given, dtype=Parameters)
             self._row: Any = wp.array(model.M_rowadr, dtype=int)
             calm = np.zeros((worlds, self._vessels), Surroundings.numpy_dtype())
-            calm["port_left"] = calm["starboard_left"] = 1.0
+            for factor in ("port_left", "starboard_left", "mass", "drag"):
+                calm[factor] = 1.0
             self._around: Any = wp.array(calm, dtype=Surroundings)
         self._step_s, self._device = step_s, device
         self._rows = ContactRows(model)
@@ -145,7 +146,7 @@ class WarpHulls:
         ----------
         state : poses half a step ahead (world, vessel, 3) and velocities (world, vessel, 3), as
             MuJoCo has them; lagged commands and commands (world, vessel, 2); and the fields of
-            `vessel_motion.Surroundings` (world, vessel, 7)
+            `vessel_motion.Surroundings` (world, vessel, 9)
         """
         data, flat = self._data, [part.reshape(len(part), -1).astype(np.float32) for part in state]
         for array, part in zip((data.qpos, data.qvel, data.act, data.ctrl), flat, strict=False):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel
-from mjforage.physics.callback.model_layout import LOSS, VESSEL_DOFS, VESSEL_INPUTS
+from mjforage.physics.callback.model_layout import LOSS, SPREAD, VESSEL_DOFS, VESSEL_INPUTS
 from mjforage.physics.floating.beside_hulls import Hulls, drift_beside
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.scene import Scene, with_bodies
@@ -57,7 +57,8 @@ class WarpSimulation(SimulatedFleet):
     def _bind_items(self) -> None:
         super()._bind_items()
         packed, where = pack_fleet(self.scene.vessels), (self._there, self._before)
-        hulls = Hulls(packed, self.load, self._sizes, *where, self._velocity, self._pose)
+        loads = self.load, self.spread[..., 0]
+        hulls = Hulls(packed, *loads, self._sizes, *where, self._velocity, self._pose)
         about = self._afloat, self._quays, hulls, self._reach, self.step_s
         self._drift_beside = BoundKernel(drift_beside, *about)
 
@@ -85,8 +86,9 @@ class WarpSimulation(SimulatedFleet):
 
     def _step_hulls(self, ids: NDArray[np.intp]) -> None:
         """One step of the hulls; what becomes of the other simulations is not taken."""
-        given = self._inputs.copy()
-        given[..., LOSS : LOSS + 2] = 1.0 - given[..., LOSS : LOSS + 2]  # what is left
+        factors, given = 1.0 + self.spread, self._inputs[..., : SPREAD + 2].copy()
+        given[..., LOSS : LOSS + 2] = (1.0 - self.thrust_loss) * factors[..., 2:]  # what is left
+        given[..., SPREAD:] = factors[..., :2]
         hulls = self._hulls
         hulls.put(self._pose, self._velocity, self.thruster_state, self.commands, given)
         hulls.step()

@@ -105,6 +105,9 @@ class Weather:
     wind_speed_mps: Annotated[float, Within(0, 30, "m/s")] | None = None
     """Mean wind, in the place of the drift: `drift_node_per_step` then says nothing; absent: the
     wind is the drift's."""
+    wind_spread: Annotated[float, Within(0, 1)] = 0.0
+    """By what share the mean wind of an episode may differ: its speed is uniform in
+    `wind_speed_mps` times 1 +- this."""
     wind_from_deg: Bearing | None = None
     """Direction that the wind comes from, clockwise from true north (0 north, 90 east); absent:
     drawn per episode, uniform over the circle."""
@@ -143,6 +146,8 @@ class Weather:
     """Speed of a constant current in open water. Quays let none of it through and weaken it beside
     them; in a narrows it is faster, in a bay with one mouth it ends near the mouth. Needs water at
     the map's edge, where it comes in and goes out."""
+    current_spread: Annotated[float, Within(0, 1)] = 0.0
+    """By what share the speed of an episode's current may differ, as `wind_spread`."""
     current_to_deg: Bearing | None = None
     """Direction that it flows to, clockwise from true north (0 north, 90 east); absent: drawn per
     episode."""
@@ -201,6 +206,22 @@ class Scale:
     """Factor on the areas that the wind meets."""
 
 
+@dataclass(frozen=True)
+class Spread:
+    """By how much a vessel's numbers differ from one episode to the next, for randomised training.
+
+    Each vessel of each episode draws a factor, uniform in 1 +- the key. It multiplies those of
+    `physics.scale`; controllers do not know it.
+    """
+
+    mass: Annotated[float, Within(0, 0.25), _PAYLOADS] = 0.0
+    """Of the factor on mass and yaw inertia of the rigid body."""
+    drag: Annotated[float, Within(0, 0.43), _SWAY] = 0.0
+    """Of the factor on linear, quadratic and cross-flow drag, without that of items aboard."""
+    thrust: Annotated[float, Within(0, 0.35), _WORN] = 0.0
+    """Of the factor on the thrust of both thrusters, at any command."""
+
+
 Device = Literal["cpu", "warp-cpu", "cuda"]
 
 
@@ -233,6 +254,7 @@ class Physics:
     device: Device = "cpu"
     """Engine of the hulls: MuJoCo, or MuJoCo Warp on this processor (slow) or on a GPU."""
     scale: Scale = Scale()
+    spread: Spread = Spread()
 
 
 @dataclass(frozen=True)

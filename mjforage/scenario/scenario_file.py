@@ -258,6 +258,13 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             f"{where}: weather.wind_from_deg = {origin:g} without a wind; give "
             "weather.wind_speed_mps too"
         )
+    for key in "wind", "current":
+        spread = getattr(scenario.weather, f"{key}_spread")
+        if spread and not getattr(scenario.weather, f"{key}_speed_mps"):
+            raise UserError(
+                f"{where}: weather.{key}_spread = {spread:g} without a {key}; give "
+                f"weather.{key}_speed_mps too"
+            )
     of_record = ("start", "record_height_m", "height_m", "shear_exponent")
     unused = [k for k in of_record if getattr(scenario.weather, k) != getattr(Weather(), k)]
     if scenario.weather.file is None and unused:

@@ -27,6 +27,7 @@ from mjforage.physics.callback.model_layout import (
     N_ITEMS,
     N_VESSELS,
     SCHEME,
+    SPREAD,
     VESSEL_DOFS,
     VESSEL_INPUTS,
     VESSEL_WIDTH,
@@ -94,6 +95,8 @@ def _instant(
         starboard,
         around,
     )
+    r = state.qvel[i + 2]
+    surge += (body.moment - p.mass * p.cog_x) * r * r  # MuJoCo turns the model's mass
     return surge, sway, turn, body.surge, body.sway, body.yaw
 
 
@@ -102,16 +105,19 @@ def _vessel(state: MujocoState, v: int, p: VesselParameters, averaged: bool) -> 
     """Force and rows of M of vessel `v`."""
     userdata, mass, force, row = state.userdata, state.mass, state.force, state.row
     i, at = v * VESSEL_DOFS, v * VESSEL_INPUTS
+    left = 1.0 + userdata[at + SPREAD + 2]
     around = vessel_motion.Surroundings(
         userdata[at + WIND],
         userdata[at + WIND + 1],
         userdata[at + WATER],
         userdata[at + WATER + 1],
         userdata[at + LOAD],
-        1.0 - userdata[at + LOSS],
-        1.0 - userdata[at + LOSS + 1],
+        (1.0 - userdata[at + LOSS]) * left,
+        (1.0 - userdata[at + LOSS + 1]) * left,
+        1.0 + userdata[at + SPREAD],
+        1.0 + userdata[at + SPREAD + 1],
     )
-    body = vessel_motion.inertia(p, around.load)
+    body = vessel_motion.inertia(p, around.load, around.mass)
     if averaged:
         loads = _averaged(state, v, p, around, body)
     else:

@@ -8,7 +8,7 @@ Per model, in ``<custom>``, in this order (all [SI]):
 ``mjforage-items``     (class, 3): mass incl. added mass [kg], air and water drag [N s2/m2]
 =====================  ====================================================================
 
-Per simulation, in ``userdata``: (vessel, 7), then (item, 5).
+Per simulation, in ``userdata``: (vessel, 10), then (item, 5).
 Degrees of freedom: x, y, yaw of each vessel, then x, y of each item.
 """
 
@@ -38,7 +38,8 @@ WATER: Final = 2  # velocity of the water over ground, x, y [m/s]
 LOAD: Final = 4  # items aboard a vessel; class of an item, negative if it is not on the water
 INPUT_WIDTH: Final = 5  # of an item
 LOSS: Final = 5  # share of its thrust that each thruster of a vessel has lost, port, starboard
-VESSEL_INPUTS: Final = 7
+SPREAD: Final = 7  # by how much its mass, drag and thrust exceed the model's, as shares of it
+VESSEL_INPUTS: Final = 10
 
 VESSEL_DOFS: Final = 3
 ITEM_DOFS: Final = 2

@@ -35,6 +35,8 @@ class Surroundings(NamedTuple):
     load: float  # items aboard
     port_left: float  # share of its thrust that a thruster has left
     starboard_left: float
+    mass: float  # factor on mass and yaw inertia of the rigid body
+    drag: float  # factor on drag, without that of items aboard
 
 
 class Inertia(NamedTuple):
@@ -47,14 +49,18 @@ class Inertia(NamedTuple):
 
 
 @kernel
-def inertia(p: VesselParameters, load: float) -> Inertia:
-    """Inertia with `load` items aboard: they lie at midships and add mass only."""
-    mass = p.mass + load_mass(p, load)
+def inertia(p: VesselParameters, load: float, factor: float) -> Inertia:
+    """Inertia with `load` items aboard: they lie at midships and add mass only.
+
+    `factor`: on the rigid body's own.
+    """
+    own = factor * p.mass
+    mass = own + load_mass(p, load)
     return Inertia(
         mass + p.added_surge,
         mass + p.added_sway,
-        p.inertia_z + p.added_yaw,
-        p.mass * p.cog_x,
+        factor * p.inertia_z + p.added_yaw,
+        own * p.cog_x,
     )
 
 
@@ -80,7 +86,7 @@ def loads(
     dx, dy = vx - around.water_x, vy - around.water_y
     u_r, v_r = c * dx + s * dy, c * dy - s * dx
     dx, dy = around.wind_x - vx, around.wind_y - vy
-    hull = hull_force(p, u_r, v_r, r)
+    hull = hull_force(p, u_r, v_r, r, around.drag)
     wind = wind_force(p, c * dx + s * dy, c * dy - s * dx)
     left, right = around.port_left * port, around.starboard_left * starboard
     force, moment = force_of_sides(p, left, right, u_r, r)
@@ -194,15 +200,16 @@ def damping(
     dx, dy = around.wind_x - vx, around.wind_y - vy
     air = wind_slope(p, c * dx + s * dy, c * dy - s * dx)
     cross = cross_flow_slope(p, v_r, r)
-    quadratic = p.quadratic_surge + p.load_drag * around.load
+    drag, load = around.drag, p.load_drag * around.load
+    surge = drag * p.linear_surge + 2.0 * (drag * p.quadratic_surge + load) * abs(u_r)
     port = around.port_left * thrust(p, lagged[0])
     starboard = around.starboard_left * thrust(p, lagged[1])
     slope = thruster_slope(p, port, starboard, u_r, r)
     growth = p.linear_yaw * p.yaw_growth + p.quadratic_yaw
     return (
-        p.linear_surge + 2.0 * quadratic * abs(u_r) + air[0] + slope[0],
-        p.linear_sway + 2.0 * p.quadratic_sway * abs(v_r) + cross[0] + air[1],
-        p.linear_yaw + 2.0 * growth * abs(r) + cross[1] + slope[1],
+        surge + air[0] + slope[0],
+        drag * (p.linear_sway + 2.0 * p.quadratic_sway * abs(v_r) + cross[0]) + air[1],
+        drag * (p.linear_yaw + 2.0 * growth * abs(r) + cross[1]) + slope[1],
     )
 
 
@@ -237,6 +244,6 @@ def averaged_load(
     m_surge, m_sway = body.surge + 0.5 * h * d_surge, body.sway + 0.5 * h * d_sway
     m_yaw = body.yaw + 0.5 * h * d_yaw
     ahead, aside = c * ax + s * ay, c * ay - s * ax
-    surge = m_surge * ahead - body.moment * r * r
+    surge = m_surge * ahead - p.mass * p.cog_x * r * r  # MuJoCo turns the model's mass
     sway = m_sway * aside + body.moment * ar
     return surge, sway, m_yaw * ar + body.moment * aside, m_surge, m_sway, m_yaw

@@ -57,6 +57,7 @@ from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS, whole_time
 from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid, look_out, tracked
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.positioning import create_positioning
+from mjforage.physics.scaled_vessels import deviations
 from mjforage.physics.simulation import Integrator
 from mjforage.physics.simulation.instability import warnings_suppressed
 from mjforage.physics.vessel_models import vessel_model
@@ -206,6 +207,8 @@ class MujocoDynamics:
         pose = np.zeros((*initial.agent_node.shape, 3))
         pose[..., :2] = self._berths_xy[initial.agent_node]
         self.place(pose, rows)
+        spread = deviations(self._choice.spread, len(self._fleet), keys)
+        self._simulation.spread[rows] = spread
         if self._bodies:
             classes = draw_classes(keys, initial.item_node, self._classes)
             xy = self._graph.metres(initial.item_rc)

@@ -26,6 +26,7 @@ class Hulls(NamedTuple):
 
     parameters: Any  # (vessel,) records of `VESSEL`
     load: Float64Array  # (simulation, vessel) items aboard
+    heavier: Float64Array  # (simulation, vessel) by what share, see `model_layout.SPREAD`
     size: Float64Array  # (vessel, 2) half length, half beam [m]
     pose: Float64Array  # (simulation, vessel, 3) x, y [m], yaw [rad] before the step
     before: Float64Array  # (simulation, vessel, 3) velocity before it [m/s], [rad/s]
@@ -87,7 +88,8 @@ def _beside_hull(
 @kernel
 def _recoil(hulls: Hulls, e: int, n: int, force: Float64Array, step_s: float) -> None:
     """Let a hull feel a force (3,) of the step that is past, world axes [N], [N m]."""
-    body, yaw = inertia(hulls.parameters[n], hulls.load[e, n]), hulls.pose[e, n, 2]
+    factor, yaw = 1.0 + hulls.heavier[e, n], hulls.pose[e, n, 2]
+    body = inertia(hulls.parameters[n], hulls.load[e, n], factor)
     c, s = math.cos(yaw), math.sin(yaw)
     surge, sway, turn = c * force[0] + s * force[1], c * force[1] - s * force[0], force[2]
     determinant = body.sway * body.yaw - body.moment * body.moment

@@ -38,7 +38,9 @@ def added_inertial(
 
 
 @kernel
-def hull_force(p: VesselParameters, u_r: float, v_r: float, r: float) -> tuple[float, float, float]:
+def hull_force(
+    p: VesselParameters, u_r: float, v_r: float, r: float, drag: float
+) -> tuple[float, float, float]:
     """Damping, cross-flow and added-mass forces, for accelerations in WORLD axes, as MuJoCo's are.
 
     The solver has R M_A R^T in its mass matrix but does not know that M_A turns with the vessel;
@@ -50,10 +52,11 @@ def hull_force(p: VesselParameters, u_r: float, v_r: float, r: float) -> tuple[f
     ----------
     u_r, v_r : velocity of midships relative to the water, forward and to port [m/s]
     r : yaw rate [rad/s]
+    drag : factor on damping and cross-flow
     """
     x, y, n = damping(p, u_r, v_r, r)
     x_a, y_a, n_a = added_inertial(p, u_r, v_r, r)
-    return x + x_a, y + y_a, n + n_a
+    return drag * x + x_a, drag * y + y_a, drag * n + n_a
 
 
 @kernel

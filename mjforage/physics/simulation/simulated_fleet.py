@@ -13,6 +13,7 @@ from mjforage.physics.callback.model_layout import (
     HEADER,
     LOAD,
     LOSS,
+    SPREAD,
     VESSEL_DOFS,
     VESSEL_WIDTH,
     WATER,
@@ -39,6 +40,8 @@ class SimulatedFleet(ABC):
     load : (simulation, vessel) items aboard
     thrust_loss : (simulation, vessel, 2) share of its thrust that each thruster has lost, port and
         starboard, 0 at first
+    spread : (simulation, vessel, 3) by how much mass, drag and thrust exceed the scene's, as shares
+        of it, 0 at first
     item_wind, item_water : (simulation, item, 2) the same at each item [m/s]
     item_class : (simulation, item) index into the scene's classes; -1: not on the water
     items : items of a simulation
@@ -87,6 +90,7 @@ class SimulatedFleet(ABC):
         self.vessel_water: Float64Array = own[..., WATER : WATER + 2]
         self.load: Float64Array = own[..., LOAD]
         self.thrust_loss: Float64Array = own[..., LOSS : LOSS + 2]
+        self.spread: Float64Array = own[..., SPREAD : SPREAD + 3]
 
     def _take_quays(self, model: mujoco.MjModel) -> None:
         """Take classes of items and their contacts from a model with bodies for some of them."""

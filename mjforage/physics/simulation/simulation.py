@@ -38,7 +38,7 @@ POOL_SPARE = 2  # bodies never active: the last numbers of MuJoCo's sums, added 
 STRIDE = 4  # by which pools grow: a few sizes, so that their scenes are built once
 _ENGAGED = (
     *("engine", "model", "time_s", "commands", "thruster_state", "vessel_wind", "vessel_water"),
-    *("load", "thrust_loss", "_pose", "_velocity", "_bodies", "_quays"),
+    *("load", "thrust_loss", "spread", "_pose", "_velocity", "_bodies", "_quays"),
     *("_activate", "_sync_items", "_drift", "_separate"),
 )
 """Attributes that a simulation makes anew with every engine."""

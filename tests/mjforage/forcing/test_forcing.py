@@ -93,6 +93,21 @@ def test_a_drawn_direction_is_uniform_over_the_circle(part: str) -> None:
     assert stats.kstest(angle, "uniform", (-math.pi, 2 * math.pi)).pvalue > 0.01
 
 
+@pytest.mark.parametrize("part", ["wind", "current"])
+def test_drawn_speeds_are_uniform_about_the_mean_and_keep_their_directions(part: str) -> None:
+    steady = replace(CALM, **{f"{part}_speed_mps": 2.0})
+    spread = replace(steady, **{f"{part}_spread": 0.4})
+    one, other = (
+        getattr(at_sea(given, 4000), part)(0.0, np.zeros((4000, 1, 2)))[:, 0]
+        for given in (steady, spread)
+    )
+    speed = np.hypot(*other.T)
+    assert stats.kstest(speed, stats.uniform(1.2, 1.6).cdf).pvalue > 0.01
+    np.testing.assert_allclose(other / speed[:, None], one / 2.0, atol=1e-12)
+    turned = np.arctan2(*one.T)
+    assert abs(np.corrcoef(turned, speed)[0, 1]) < 0.05
+
+
 def test_wind_and_current_are_drawn_each_for_itself() -> None:
     drawn = at_sea(replace(CALM, wind_speed_mps=1.0, current_speed_mps=1.0), 3000)
     cosine = (drawn.mean_wind_mps * drawn.mean_current_mps).sum(axis=1)

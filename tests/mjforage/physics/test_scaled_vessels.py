@@ -3,15 +3,20 @@
 from dataclasses import asdict, fields, replace
 from typing import Any
 
+import numpy as np
 import pytest
+from scipy import stats
 
 from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
 from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics import mujoco_dynamics
-from mjforage.physics.scaled_vessels import scaled
+from mjforage.physics.scaled_vessels import deviations, scaled
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessels import ForceThruster, Vessel, load_vessel
 from mjforage.physics.worlds import create_mission
-from mjforage.scenario.scenario import Scale
+from mjforage.scenario.scenario import Scale, Spread
 from mjforage.scenario.scenario_file import (
     load_scenario,
     with_values,
@@ -92,6 +97,50 @@ def test_vessels_in_mujoco_are_scaled_and_their_controllers_do_not_know(
     drag = [one["pack_fleet"][0]["linear_sway"] for one in (plain, heavy)]
     assert drag[1] == pytest.approx(1.3 * drag[0])
     assert heavy["vessel_model"] == plain["vessel_model"]
+
+
+@pytest.mark.parametrize("integrator", list(Integrator))
+@pytest.mark.parametrize("part", ["mass", "drag", "thrust"])
+def test_a_deviation_moves_a_vessel_as_one_of_such_a_scale(
+    part: str, integrator: Integrator
+) -> None:
+    """The Otter turns and is stopped in wind; its propellers' thrust is scaled at any speed."""
+    otter, poses = load_vessel("otter"), []
+    for factor, deviation in ((0.8, 0.0), (1.0, -0.2), (1.0, 0.0)):
+        vessel = scaled(otter, replace(Scale(), **{part: factor}))
+        simulation = Simulation(build_scene([vessel]), integrator=integrator)
+        simulation.spread[..., ("mass", "drag", "thrust").index(part)] = deviation
+        simulation.vessel_wind[:] = 4.0, 2.0
+        for command in ((80.0, 30.0), (-40.0, 20.0)):
+            simulation.commands[:] = command
+            simulation.step(round(8.0 / simulation.step_s))
+        poses.append(simulation.vessel_pose[0, 0])
+    np.testing.assert_allclose(poses[0], poses[1], rtol=1e-9)
+    assert abs(poses[0] - poses[2]).max() > 0.1
+
+
+def test_episodes_draw_deviations_of_their_own_in_any_company() -> None:
+    keys, spread = episode_keys(4, np.arange(3000)), Spread(mass=0.2, thrust=0.3)
+    drawn = deviations(spread, 4, keys)
+    np.testing.assert_array_equal(drawn[7:9], deviations(spread, 4, keys[7:9]))
+    assert not drawn[..., 1].any()
+    for part, most in ((0, 0.2), (2, 0.3)):
+        flat = drawn[..., part].ravel()
+        assert stats.kstest(flat, stats.uniform(-most, 2.0 * most).cdf).pvalue > 0.01
+        assert abs(np.corrcoef(drawn[..., part].T) - np.eye(4)).max() < 0.08
+    assert abs(np.corrcoef(drawn[..., 0].ravel(), drawn[..., 2].ravel())[0, 1]) < 0.04
+
+
+def test_missions_draw_anew_with_every_episode() -> None:
+    scenario = load_scenario("comb-port", ["physics.spread.drag=0.4"])
+    mission = create_mission(Setup.of(scenario), "physics")
+    dynamics, keys = mission._dynamics, episode_keys(2, np.arange(3))
+    assert isinstance(dynamics, mujoco_dynamics.MujocoDynamics)
+    mission.start(keys[:2])
+    given = deviations(scenario.physics.spread, 4, keys)
+    np.testing.assert_array_equal(dynamics._simulation.spread, given[:2])
+    mission.restart(np.array([1]), keys[2:])
+    np.testing.assert_array_equal(dynamics._simulation.spread, given[[0, 2]])
 
 
 def test_a_thrust_below_the_dead_zone_is_refused() -> None:

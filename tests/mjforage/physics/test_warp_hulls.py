@@ -29,8 +29,10 @@ def motions(
     out: wp.array2d(dtype=float),  # type: ignore[valid-type]
 ) -> None:
     i = wp.tid()
-    about = Surroundings(x[i, 8], x[i, 9], x[i, 10], x[i, 11], x[i, 12], x[i, 13], x[i, 14])
-    body = inertia(p, about.load)
+    about = Surroundings(
+        x[i, 8], x[i, 9], x[i, 10], x[i, 11], x[i, 12], x[i, 13], x[i, 14], x[i, 15], x[i, 16]
+    )
+    body = inertia(p, about.load, about.mass)
     command, lagged = wp.vec2(x[i, 4], x[i, 5]), wp.vec2(x[i, 6], x[i, 7])
     ax, ay, ar = mean_acceleration(
         p, body, x[i, 0], x[i, 1], x[i, 2], x[i, 3], command, lagged, about, 0.1
@@ -45,14 +47,15 @@ def motions(
 
 
 def drawn(low: float, high: float) -> Any:
-    """States (state, 15): yaw, velocities, commands, lagged commands, surroundings."""
-    random, x = np.random.default_rng(7), np.zeros((STATES, 15))
+    """States (state, 17): yaw, velocities, commands, lagged commands, surroundings."""
+    random, x = np.random.default_rng(7), np.zeros((STATES, 17))
     x[:, 0] = random.uniform(-np.pi, np.pi, STATES)
     x[:, 1:4] = random.normal(size=(STATES, 3)) * (1.0, 1.0, 0.5)
     x[:, 4:8] = random.uniform(low, high, (STATES, 4))
     x[:, 8:12] = random.normal(size=(STATES, 4)) * (6.0, 6.0, 0.3, 0.3)
     x[:, 12] = random.integers(0, 50, STATES)
-    x[:, 13:] = random.choice((1.0, 0.7, 0.0), (STATES, 2), p=(0.8, 0.1, 0.1))
+    x[:, 13:15] = random.choice((1.0, 0.7, 0.0), (STATES, 2), p=(0.8, 0.1, 0.1))
+    x[:, 15:] = random.choice((1.0, 0.8, 1.25), (STATES, 2))
     edges = x[: STATES // 10]
     edges[:, 1:4] *= random.integers(0, 2, (len(edges), 3))  # at rest, not turning, along an axis
     edges[:, 8:12] *= random.integers(0, 2, (len(edges), 4))
@@ -71,7 +74,7 @@ def test_accelerations_are_those_of_the_cpu(name: str) -> None:
     for i, x in enumerate(states.astype(np.float64).tolist()):
         yaw, vx, vy, r, *commands = x[:8]
         about = vessel_motion.Surroundings(*x[8:])
-        body = vessel_motion.inertia(record, about.load)
+        body = vessel_motion.inertia(record, about.load, about.mass)
         command, lagged = (commands[0], commands[1]), (commands[2], commands[3])
         known[i, :3] = vessel_motion.mean_acceleration(
             record, body, yaw, vx, vy, r, command, lagged, about, STEP_S

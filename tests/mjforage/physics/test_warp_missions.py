@@ -34,6 +34,7 @@ def pushing() -> tuple[Simulation, WarpSimulation]:
         sim.place_vessels(np.array([2.0, 8.0, 0.0]))
         sim.place_items(np.stack((x, y), axis=-1), kinds)
         sim.vessel_wind[:] = sim.item_wind[:] = 0.5
+        sim.spread[0] = 0.2, -0.3, -0.25
         sim.commands[:] = 0.5 * scene.vessels[0].thruster.command_range[1]
     return both
 
@@ -53,6 +54,7 @@ def test_a_hull_pushes_points_as_it_pushes_bodies(
     assert np.linalg.norm(found.item_xy - known.item_xy, axis=-1).max() < 0.05
     assert np.abs(found.vessel_pose - known.vessel_pose)[..., :2].max() < 0.02
     assert known.vessel_pose[..., 0].min() > 7.0
+    assert np.abs(np.diff(known.vessel_pose, axis=0)).max() > 0.05  # one weighs and draws less
 
 
 def test_the_nearest_way_out_of_a_hull() -> None:

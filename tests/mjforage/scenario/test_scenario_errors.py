@@ -52,6 +52,14 @@ ROLE = "{count=1, moves=1, radius=1, collects=true}"
             "weather.wind_from_deg = 90 without a wind; give weather.wind_speed_mps too",
         ),
         (
+            "weather.wind_spread=0.3",
+            "weather.wind_spread = 0.3 without a wind; give weather.wind_speed_mps too",
+        ),
+        (
+            "weather.current_spread=0.3",
+            "weather.current_spread = 0.3 without a current; give weather.current_speed_mps too",
+        ),
+        (
             "physics.intake_jam_items=3",
             "physics.intake_jam_items = 3 without a rate; give physics.intake_rate_per_s too, or 0",
         ),

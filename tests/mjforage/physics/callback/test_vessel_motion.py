@@ -10,7 +10,7 @@ from mjforage.physics.hydrodynamics.thruster import thrust
 from mjforage.physics.vessels import load_vessel
 
 P = {name: pack(load_vessel(name)) for name in ("otter", "forager")}
-STILL = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0)
+STILL = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
 STEP = 1e-5
 
 

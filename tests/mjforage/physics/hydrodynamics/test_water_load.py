@@ -40,8 +40,8 @@ def test_scout_damping_by_hand() -> None:
 @pytest.mark.parametrize("vessel", [OTTER, SCOUT, FORAGER], ids=lambda v: v.name)
 def test_mirrored_motion_gives_mirrored_force(vessel: Vessel, u: float, v: float, r: float) -> None:
     p = pack(vessel)
-    x, y, n = hull_force(p, u, v, r)
-    np.testing.assert_allclose(hull_force(p, u, -v, -r), (x, -y, -n), rtol=1e-12, atol=1e-9)
+    x, y, n = hull_force(p, u, v, r, 1.0)
+    np.testing.assert_allclose(hull_force(p, u, -v, -r, 1.0), (x, -y, -n), rtol=1e-12, atol=1e-9)
 
 
 @given(SPEED, SPEED, RATE, st.floats(-3.0, 3.0))
@@ -49,7 +49,7 @@ def test_inertial_form_keeps_it_where_accelerations_are_in_world_axes(
     u: float, v: float, r: float, yaw: float
 ) -> None:
     """(m + R M_A R^T) a = R F, solved as MuJoCo would: m v + R M_A R^T v is constant."""
-    force = hull_force(pack(LOSSLESS), u, v, r)
+    force = hull_force(pack(LOSSLESS), u, v, r, 1.0)
     added = np.diag([5.28, 82.5])
 
     def mass(angle: float) -> NDArray[np.float64]:
