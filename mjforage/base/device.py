@@ -17,6 +17,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
 
@@ -50,30 +51,43 @@ def require_gpu(what: str) -> None:
 
 
 class OnDevice:
-    """Arrays of the host and their copies on the GPU; the same array has the same copy."""
+    """Arrays of the host and their copies on a device; the same array has the same copy."""
 
-    def __init__(self) -> None:
+    def __init__(self, here: bool = False) -> None:
+        """Begin without arrays.
+
+        `here`: True if the device is this processor, on which arrays are their own copies.
+        """
+        self.here = here
         self._copies: dict[int, tuple[NDArray[Any], Any]] = {}
 
     def of(self, array: NDArray[Any]) -> Any:
         """The copy of an array, made when it is first asked for."""
         if id(array) not in self._copies:
-            self._copies[id(array)] = array, _copied(array)
+            self._copies[id(array)] = array, array if self.here else _copied(array)
         return self._copies[id(array)][1]
 
-    def share(self, array: NDArray[Any], copy: Any) -> None:
-        """Let an array of Warp or torch, of the same kind and shape, stand for one of the host."""
-        shared = copy.numpy() if SIMULATED else _cuda().as_cuda_array(copy)
-        self._copies[id(array)] = array, shared
+    def shared(self, copy: Any) -> NDArray[Any]:
+        """An array of the host for which one of Warp, of plain numbers, stands on the device."""
+        memory = copy.numpy() if self.here or SIMULATED else _cuda().as_cuda_array(copy)
+        array = memory if self.here else np.zeros(memory.shape, memory.dtype)
+        self._copies[id(array)] = array, memory
+        return array
+
+    def tensor(self, array: NDArray[Any]) -> Any:
+        """The copy of an array as a tensor of torch, in the same memory."""
+        torch, copy = importlib.import_module("torch"), self.of(array)
+        return torch.from_numpy(copy) if self.here or SIMULATED else torch.as_tensor(copy)
 
     def send(self, array: NDArray[Any]) -> None:
         """Write what an array of the host holds into its copy."""
-        _write(array, self.of(array))
+        if not self.here:
+            _write(array, self.of(array))
 
     def fetch(self, array: NDArray[Any]) -> NDArray[Any]:
         """Write what its copy holds into an array of the host, and return that."""
         copy = self.of(array)
-        array[...] = copy if SIMULATED else copy.copy_to_host()
+        array[...] = copy if self.here or SIMULATED else copy.copy_to_host()
         return array
 
 
@@ -103,6 +117,19 @@ class Launch:
             self._moved(device, episodes, name, value)
             for name, value in zip(names_of(self.kernel), given, strict=True)
         )
+
+    def bound(self, device: OnDevice, episodes: int, *given: object) -> Callable[[Any], None]:
+        """The kernel on these arguments, to be called with a stream of CUDA, 0 for its own.
+
+        On this processor `ids` are the episodes that the mask has now.
+        """
+        if not device.here:
+            arguments = self.arguments(device, episodes, *given)
+            return lambda stream: self(episodes, *arguments, stream=stream)
+        named = zip(names_of(self.kernel), given, strict=True)
+        here = [np.flatnonzero(cast(Any, one)) if name == "ids" else one for name, one in named]
+        bound = BoundKernel(self.kernel, *here)
+        return lambda stream: bound() and None
 
     def __call__(self, episodes: int, *arguments: object, stream: Any = 0) -> None:
         """Run the kernel on arguments of the device; it may still run when this returns."""

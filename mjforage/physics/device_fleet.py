@@ -4,23 +4,20 @@ A tick goes from the hulls' poses to commands, and moves hulls and items on; not
 host. Items drift and meet quays, but no hulls and no other items. Nothing is sensed or collected.
 """
 
-from typing import Any
-
 import numpy as np
-import warp as wp
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.device import SIMULATED, Launch, OnDevice, require_gpu
+from mjforage.base.device import Launch
 from mjforage.controllers import Chart, Pilot
 from mjforage.controllers.pilot import COMMAND
+from mjforage.physics.device_hulls import DeviceHulls
 from mjforage.physics.dynamics.ticks import CONTROL_S
 from mjforage.physics.floating.drift import DRIFT, Afloat
 from mjforage.physics.scene import Scene
 from mjforage.physics.simulation.integrators import Integrator, half_step_s
 from mjforage.physics.simulation.simulation import Simulation
 from mjforage.physics.vessel_models import vessel_model
-from mjforage.physics.warp_hulls import WarpHulls
 
 FloatArray = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
@@ -60,11 +57,7 @@ class DeviceFleet:
 
         `scene`: of `build_scene`, with no bodies for items; `items`: of an episode.
         """
-        if not SIMULATED:
-            require_gpu("a fleet on a GPU")
-        self.device, self._episodes = "cpu" if SIMULATED else "cuda", episodes
-        self._hulls = WarpHulls(scene, episodes, step_s=CONTROL_S, device=self.device)
-        self._copies = OnDevice()
+        self._hulls = hulls = DeviceHulls(scene, episodes, step_s=CONTROL_S, device="cuda")
         models = [vessel_model(vessel) for vessel in scene.vessels]
         self.pilot = Pilot(models, chart, episodes, CONTROL_S)
         one = Simulation(scene, 1, integrator=Integrator.FAST, step_s=CONTROL_S, items=items)
@@ -73,54 +66,34 @@ class DeviceFleet:
         self.afloat.kinds[:] = kinds
         self.active = np.ones(episodes, np.bool_)
         self.pose, self.velocity = np.zeros((2, episodes, len(models), 3))
-        live = [np.zeros(each.shape, np.float32) for each in self._hulls.live]
-        for array, copy in zip(live, self._hulls.live, strict=True):
-            self._copies.share(array, copy)
         given = self.pilot.arguments(self.active, self.pose, self.velocity)
-        shift_s = half_step_s(Integrator.FAST, CONTROL_S)
-        self._calls = (
-            self._call(READ, live[0], live[1], shift_s, self.pose, self.velocity),
-            self._call(COMMAND, *given),
-            self._call(TELL, given[2], live[2]),
+        shift_s, way = half_step_s(Integrator.FAST, CONTROL_S), (self.pose, self.velocity)
+        self._tick = (
+            hulls.bind(READ, hulls.places, hulls.velocities, shift_s, *way),
+            hulls.bind(COMMAND, *given),
+            hulls.bind(TELL, given[2], hulls.commands),
+            hulls.step,
+            hulls.bind(DRIFT, self.afloat, quays, CONTROL_S, True, self.active, 1),
         )
-        self._drift = self._call(DRIFT, self.afloat, quays, CONTROL_S, True, self.active, 1)
         self._state = given[0].state
-
-    def _call(self, launch: Launch, *given: object) -> tuple[Launch, tuple[Any, ...]]:
-        return launch, launch.arguments(self._copies, self._episodes, *given)
 
     def place(self, pose: FloatArray) -> None:
         """Put the vessels (episode, vessel, 3) somewhere, at rest [m], [rad]."""
-        self._hulls.place_vessels(pose)
+        self._hulls.hulls.place_vessels(pose)
         self.pose[:] = pose
-        self._copies.send(self.pose)
+        self._hulls.arrays.send(self.pose)
 
     def send(self) -> None:
         """Have the device know of orders to the pilot, and of changes to the items."""
         for array in (self._state, *self.afloat):
-            self._copies.send(array)
+            self._hulls.arrays.send(array)
 
     def run(self, ticks: int) -> None:
         """Advance by so many ticks of 0.1 s."""
-        stream = 0
-        if not SIMULATED:
-            stream = _stream(wp.get_stream(self.device))
-        for _ in range(ticks):
-            for launch, given in self._calls:
-                launch(self._episodes, *given, stream=stream)
-            self._hulls.step()
-            launch, given = self._drift
-            launch(self._episodes, *given, stream=stream)
-        wp.synchronize_device(self.device)
+        self._hulls.run(self._tick * ticks)
+        self._hulls.wait()
 
     def fetch(self) -> None:
         """Have the host know poses, velocities and items."""
         for array in (self.pose, self.velocity, self._state, *self.afloat):
-            self._copies.fetch(array)
-
-
-def _stream(of: Any) -> Any:
-    """Warp's stream, for our kernels: what it runs in comes in the order of the calls."""
-    from numba import cuda
-
-    return cuda.external_stream(of.cuda_stream)
+            self._hulls.arrays.fetch(array)

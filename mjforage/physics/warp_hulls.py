@@ -25,6 +25,9 @@ from mjforage.physics.warp_contacts import ContactRows, check_room
 Parameters = struct_of(VesselParameters)
 Surroundings = struct_of(vessel_motion.Surroundings)
 wp.config.log_level = wp.LOG_ERROR  # else it prints on standard output
+FIELDS = vessel_motion.Surroundings._fields
+CALM = 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0
+"""No wind, no current, no load, and a vessel as its file has it."""
 CONTACTS = 16  # room for each vessel of a world: four corners at as many quays
 _PLAIN = DisableBit.NATIVECCD | DisableBit.WARMSTART
 """Boxes meet as on the CPU, and a step hangs on nothing but the state that it begins with."""
@@ -35,7 +38,7 @@ _inertia, _averaged_load = warped(vessel_motion.inertia), warped(vessel_motion.a
 def _add_loads(
     parameters: wp.array(dtype=Parameters),  # type: ignore[valid-type]
     row: wp.array(dtype=int),  # type: ignore[valid-type]
-    around: wp.array2d(dtype=Surroundings),  # type: ignore[valid-type]
+    around: wp.array3d(dtype=float),  # type: ignore[valid-type]
     step_s: float,
     qpos: wp.array2d(dtype=float),  # type: ignore[valid-type]
     qvel: wp.array2d(dtype=float),  # type: ignore[valid-type]
@@ -46,7 +49,8 @@ def _add_loads(
 ) -> None:
     """Force and rows of M of vessel v of world w, as `callback.forces` has them."""
     w, v = wp.tid()  # type: ignore[misc]
-    i, p, about = 3 * v, parameters[v], around[w, v]
+    i, p, x = 3 * v, parameters[v], around[w, v]
+    about = Surroundings(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8])
     body = _inertia(p, about.load, about.mass)
     command = wp.vec2(ctrl[w, 2 * v], ctrl[w, 2 * v + 1])
     lagged = wp.vec2(act[w, 2 * v], act[w, 2 * v + 1])
@@ -58,13 +62,13 @@ def _add_loads(
     force[w, i] = force[w, i] + c * surge - s * sway
     force[w, i + 1] = force[w, i + 1] + s * surge + c * sway
     force[w, i + 2] = force[w, i + 2] + turn
-    x, y, z = row[i], row[i + 1], row[i + 2]
-    mass[w, x] = c * c * m_surge + s * s * m_sway
-    mass[w, y] = c * s * (m_surge - m_sway)
-    mass[w, y + 1] = s * s * m_surge + c * c * m_sway
-    mass[w, z] = -s * body.moment
-    mass[w, z + 1] = c * body.moment
-    mass[w, z + 2] = m_yaw
+    first, second, third = row[i], row[i + 1], row[i + 2]
+    mass[w, first] = c * c * m_surge + s * s * m_sway
+    mass[w, second] = c * s * (m_surge - m_sway)
+    mass[w, second + 1] = s * s * m_surge + c * c * m_sway
+    mass[w, third] = -s * body.moment
+    mass[w, third + 1] = c * body.moment
+    mass[w, third + 2] = m_yaw
 
 
 def check_found(device: str) -> None:
@@ -117,10 +121,8 @@ class WarpHulls:
             given = [_given(pack(vessel)) for vessel in scene.vessels]
             self._parameters: Any = wp.array(given, dtype=Parameters)
             self._row: Any = wp.array(model.M_rowadr, dtype=int)
-            calm = np.zeros((worlds, self._vessels), Surroundings.numpy_dtype())
-            for factor in ("port_left", "starboard_left", "mass", "drag"):
-                calm[factor] = 1.0
-            self._around: Any = wp.array(calm, dtype=Surroundings)
+            calm = np.tile(np.float32(CALM), (worlds, self._vessels, 1))
+            self._around: Any = wp.array(calm, dtype=float)
         self._step_s, self._device = step_s, device
         self._rows = ContactRows(model)
         self._model.callback.passive = self._load
@@ -130,7 +132,7 @@ class WarpHulls:
         """The callback of MuJoCo Warp."""
         inputs = [self._parameters, self._row, self._around, self._step_s]
         inputs += [data.qpos, data.qvel, data.act, data.ctrl, data.qfrc_passive, data.M]
-        wp.launch(_add_loads, self._around.shape, inputs, device=self._device)
+        wp.launch(_add_loads, self._around.shape[:2], inputs, device=self._device)
         self._rows.prepare(data)
 
     def place_vessels(self, pose: NDArray[np.float64]) -> None:
@@ -151,8 +153,7 @@ class WarpHulls:
         data, flat = self._data, [part.reshape(len(part), -1).astype(np.float32) for part in state]
         for array, part in zip((data.qpos, data.qvel, data.act, data.ctrl), flat, strict=False):
             array.assign(part)
-        around = np.ascontiguousarray(flat[-1]).view(Surroundings.numpy_dtype())
-        self._around.assign(around)
+        self._around.assign(flat[-1].reshape(self._around.shape))
 
     def state(self) -> tuple[NDArray[np.float32], ...]:
         """Poses half a step ahead, velocities, lagged commands, as of `put`."""
@@ -165,22 +166,33 @@ class WarpHulls:
         self._data.ctrl.assign(commands.reshape(len(commands), -1).astype(np.float32))
 
     @property
-    def live(self) -> tuple[Any, Any, Any]:
-        """Warp's own places, velocities (world, 3 x vessel) and commands (world, 2 x vessel)."""
-        return self._data.qpos, self._data.qvel, self._data.ctrl
+    def live(self) -> tuple[Any, Any, Any, Any, Any]:
+        """Warp's own arrays of float32: places and velocities (world, 3 x vessel), lagged commands
+        and commands (world, 2 x vessel), surroundings (world, vessel, 9), as of `put`.
+        """
+        data = self._data
+        return data.qpos, data.qvel, data.act, data.ctrl, self._around
 
     def surround(self, **inputs: NDArray[np.float64] | float) -> None:
         """Set fields of `vessel_motion.Surroundings`, (world, vessel) each or what broadcasts."""
         around = self._around.numpy()
         for name, values in inputs.items():
-            around[name] = values
+            around[..., FIELDS.index(name)] = values
         self._around.assign(around)
 
     def step(self, steps: int = 1) -> None:
         """Advance all worlds; raises `UserError` if there is no room for all contacts."""
+        for _ in range(steps):
+            self.advance()
+        self.check()
+
+    def advance(self) -> None:
+        """Advance all worlds by a step; whether there was room for all contacts, `check` tells."""
         with wp.ScopedDevice(self._device):
-            for _ in range(steps):
-                mujoco_warp.step(self._model, self._data)
+            mujoco_warp.step(self._model, self._data)
+
+    def check(self) -> None:
+        """Raise `UserError` if there was no room for all contacts since the start."""
         check_room(self._data, self._room)
 
     @property

@@ -10,7 +10,9 @@ from scipy import stats
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.mission.setup import Setup
+from mjforage.physics.callback.vessel_motion import Surroundings, damping
 from mjforage.physics.dynamics import mujoco_dynamics
+from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.scaled_vessels import deviations, scaled
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
@@ -117,6 +119,15 @@ def test_a_deviation_moves_a_vessel_as_one_of_such_a_scale(
         poses.append(simulation.vessel_pose[0, 0])
     np.testing.assert_allclose(poses[0], poses[1], rtol=1e-9)
     assert abs(poses[0] - poses[2]).max() > 0.1
+
+
+@pytest.mark.parametrize("name", vessel_names())
+def test_a_factor_on_drag_damps_in_contacts_as_a_scale(name: str) -> None:
+    vessel, still = load_vessel(name), Surroundings(0.0, 0.0, 0.3, 0.1, 5.0, 1.0, 1.0, 1.0, 1.0)
+    known, other = pack(scaled(vessel, Scale(drag=1.3))), pack(vessel)
+    way, lagged = (0.4, 0.9, -0.6, 0.3), (0.5, 0.2)
+    found = damping(other, *way, lagged, still._replace(drag=1.3))
+    assert found == pytest.approx(damping(known, *way, lagged, still), rel=1e-12)
 
 
 def test_episodes_draw_deviations_of_their_own_in_any_company() -> None:

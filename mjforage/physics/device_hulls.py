@@ -1,0 +1,83 @@
+"""Hulls of many worlds on a device, and kernels of ours between their steps.
+
+All of them work in one memory and in one order; nothing goes to the host unless it is fetched. The
+device is a GPU, or this processor, where MuJoCo Warp is slow.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import warp as wp
+
+from mjforage.base.device import SIMULATED, Launch, OnDevice, require_gpu
+from mjforage.base.errors import UserError
+from mjforage.physics.scene import Scene
+from mjforage.physics.warp_hulls import WarpHulls
+
+Call = Callable[[Any], None]
+
+
+class DeviceHulls:
+    """Vessels without items, in many worlds.
+
+    Attributes
+    ----------
+    arrays : of the host, and what they are on the device
+    places, velocities : (world, 3 x vessel) float32 half a step ahead, as MuJoCo has them
+    lagged, commands : (world, 2 x vessel) float32
+    around : (world, vessel, 9) float32, fields of `vessel_motion.Surroundings`
+    step : moves all hulls on, a call as those of `bind`
+    """
+
+    def __init__(self, scene: Scene, worlds: int, *, step_s: float, device: str) -> None:
+        """Set up worlds, vessels at the origin.
+
+        Raises `UserError` if there is no such device.
+
+        Parameters
+        ----------
+        scene : of `build_scene`, with no bodies for items
+        step_s : time step [s]
+        device : "warp-cpu" or "cuda"
+        """
+        if device not in ("warp-cpu", "cuda"):
+            raise UserError(f"device = {device!r}: unknown; choose warp-cpu, cuda")
+        here = device == "warp-cpu" and not SIMULATED
+        if not here and not SIMULATED:
+            require_gpu("device cuda")
+        self._worlds, self._warp_name = (
+            worlds,
+            "cuda" if device == "cuda" and not SIMULATED else "cpu",
+        )
+        self.hulls = WarpHulls(scene, worlds, step_s=step_s, device=self._warp_name)
+        self.arrays = OnDevice(here)
+        shared = map(self.arrays.shared, self.hulls.live)
+        self.places, self.velocities, self.lagged, self.commands, self.around = shared
+        self.step: Call = lambda stream: self.hulls.advance()
+
+    def bind(self, launch: Launch, *given: object) -> Call:
+        """A kernel on arrays of the host, or rather on what these are on the device."""
+        return launch.bound(self.arrays, self._worlds, *given)
+
+    def run(self, calls: Sequence[Call]) -> None:
+        """Make calls one after the other; they may still run when this returns.
+
+        On a GPU they run in Warp's stream.
+        """
+        stream: Any = 0
+        if self._warp_name == "cuda":
+            stream = _stream(wp.get_stream("cuda"))
+        for call in calls:
+            call(stream)
+
+    def wait(self) -> None:
+        """Wait until all calls are done; raises `UserError` if contacts had no room."""
+        wp.synchronize_device(self._warp_name)
+        self.hulls.check()
+
+
+def _stream(of: Any) -> Any:
+    """Warp's stream, for our kernels: what it runs in comes in the order of the calls."""
+    from numba import cuda
+
+    return cuda.external_stream(of.cuda_stream) if of.cuda_stream else 0
