@@ -129,7 +129,11 @@ class Launch:
         named = zip(names_of(self.kernel), given, strict=True)
         here = [np.flatnonzero(cast(Any, one)) if name == "ids" else one for name, one in named]
         bound = BoundKernel(self.kernel, *here)
-        return lambda stream: bound() and None
+
+        def call(stream: Any) -> None:
+            bound()
+
+        return call
 
     def __call__(self, episodes: int, *arguments: object, stream: Any = 0) -> None:
         """Run the kernel on arguments of the device; it may still run when this returns."""

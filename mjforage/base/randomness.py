@@ -80,6 +80,8 @@ class Stream(IntEnum):
     """Times at which thrusters fail, keyed by thruster."""
     VESSELS = 25
     """Factors on mass, drag and thrust, keyed by vessel."""
+    WAYPOINTS = 26
+    """Waypoints and first heading of a vessel that is to be steered to them."""
     VARIANT = 32
     """Variant of its scenario that an episode of training has."""
     HARBOUR = 33
@@ -177,12 +179,17 @@ def uniforms(
 
 
 @kernel
+def episode_key(seed: np.uint64, episode: int) -> np.uint64:
+    """Key of an episode of a seed."""
+    return mix(mix(np.uint64(seed) + _GOLDEN) + np.uint64(episode) * _INDEX_STRIDE)
+
+
+@kernel
 def _episode_keys(seed: np.uint64, episodes: NDArray[np.int64]) -> UInt64Array:
     """Key of each episode (episode,) of a seed."""
     keys = np.empty(episodes.size, np.uint64)
-    root = mix(seed + _GOLDEN)
     for i in range(episodes.size):
-        keys[i] = mix(root + np.uint64(episodes[i]) * _INDEX_STRIDE)
+        keys[i] = episode_key(seed, episodes[i])
     return keys
 
 

@@ -25,20 +25,29 @@ class SteadyWind(NamedTuple):
 
 
 @kernel
+def steady_vector(
+    key: np.uint64, stream: int, mean: float, spread: float, direction: float
+) -> tuple[float, float]:
+    """Vector (x, y) of an episode, of a speed uniform in `mean` times 1 +- `spread`.
+
+    A direction that is NaN is drawn, uniform over the circle.
+    """
+    own = stream_key(key, stream)
+    angle, draw = direction, uniform(own, 0, _SPEED)
+    speed = mean * (1.0 + spread * (2.0 * draw - 1.0))
+    if math.isnan(angle):
+        angle = 2.0 * math.pi * uniform(own, 0, _DIRECTION)
+    return speed * math.cos(angle), speed * math.sin(angle)
+
+
+@kernel
 def _steady_vectors(
     keys: UInt64Array, stream: int, mean: float, spread: float, direction: float
 ) -> FloatArray:
-    """Vectors (episode, 2) in (x, y), of speeds uniform in `mean` times 1 +- `spread`.
-
-    A direction that is NaN is drawn per episode.
-    """
+    """Vectors (episode, 2) in (x, y), see `steady_vector`."""
     result = np.empty((keys.size, 2))
     for e in range(keys.size):
-        angle, draw = direction, uniform(stream_key(keys[e], stream), 0, _SPEED)
-        speed = mean * (1.0 + spread * (2.0 * draw - 1.0))
-        if math.isnan(angle):
-            angle = 2.0 * math.pi * uniform(stream_key(keys[e], stream), 0, _DIRECTION)
-        result[e, 0], result[e, 1] = speed * math.cos(angle), speed * math.sin(angle)
+        result[e, 0], result[e, 1] = steady_vector(keys[e], stream, mean, spread, direction)
     return result
 
 

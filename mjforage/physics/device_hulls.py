@@ -5,7 +5,8 @@ device is a GPU, or this processor, where MuJoCo Warp is slow.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, cast
 
 import warp as wp
 
@@ -42,15 +43,14 @@ class DeviceHulls:
         """
         if device not in ("warp-cpu", "cuda"):
             raise UserError(f"device = {device!r}: unknown; choose warp-cpu, cuda")
-        here = device == "warp-cpu" and not SIMULATED
-        if not here and not SIMULATED:
+        if device == "cuda" and not SIMULATED:
             require_gpu("device cuda")
         self._worlds, self._warp_name = (
             worlds,
             "cuda" if device == "cuda" and not SIMULATED else "cpu",
         )
         self.hulls = WarpHulls(scene, worlds, step_s=step_s, device=self._warp_name)
-        self.arrays = OnDevice(here)
+        self.arrays = OnDevice(here=device == "warp-cpu")
         shared = map(self.arrays.shared, self.hulls.live)
         self.places, self.velocities, self.lagged, self.commands, self.around = shared
         self.step: Call = lambda stream: self.hulls.advance()
@@ -69,6 +69,16 @@ class DeviceHulls:
             stream = _stream(wp.get_stream("cuda"))
         for call in calls:
             call(stream)
+
+    def beside_torch(self) -> AbstractContextManager[Any]:
+        """In this, calls run in the order of what torch does on the device."""
+        if self._warp_name == "cpu":
+            return nullcontext()
+        import torch
+
+        warp: Any = wp
+        stream = warp.stream_from_torch(torch.cuda.current_stream())
+        return cast(AbstractContextManager[Any], warp.ScopedStream(stream))
 
     def wait(self) -> None:
         """Wait until all calls are done; raises `UserError` if contacts had no room."""

@@ -121,7 +121,7 @@ class WarpHulls:
             given = [_given(pack(vessel)) for vessel in scene.vessels]
             self._parameters: Any = wp.array(given, dtype=Parameters)
             self._row: Any = wp.array(model.M_rowadr, dtype=int)
-            calm = np.tile(np.float32(CALM), (worlds, self._vessels, 1))
+            calm = np.tile(np.array(CALM, np.float32), (worlds, self._vessels, 1))
             self._around: Any = wp.array(calm, dtype=float)
         self._step_s, self._device = step_s, device
         self._rows = ContactRows(model)

@@ -1,11 +1,12 @@
 """Checks of a user's actions, seeds and options, before anything is played."""
 
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Integral
 from typing import Any
 
 import numpy as np
+from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
@@ -108,6 +109,46 @@ def checked_started(started: bool, what: str) -> None:
     """Raise `UserError` if no episode has begun."""
     if not started:
         raise UserError(f"{what} before the first reset: no episode has begun; call reset first")
+
+
+def checked_mode(mode: object) -> AutoresetMode:
+    """When environments of a batch begin anew; raises `UserError` if it is no such mode."""
+    try:
+        return AutoresetMode(mode)
+    except ValueError as error:
+        names = ", ".join(each.value for each in AutoresetMode)
+        raise UserError(f"autoreset_mode = {mode!r}: unknown; choose {names}") from error
+
+
+def env_seeds(seed: object, envs: int) -> list[int | None]:
+    """A seed for each environment of a batch: one and those after it, one for each, or None.
+
+    Raises `UserError` if it is neither.
+    """
+    if seed is None:
+        return [None] * envs
+    if isinstance(seed, Integral):
+        return [checked_seed(int(seed) + i) for i in range(envs)]
+    if not isinstance(seed, Sequence | np.ndarray) or len(seed) != envs:
+        words = f"give one whole number, or {envs} of them"
+        raise UserError(f"seed = {reprlib.repr(seed)}: {words}")
+    return [checked_seed(each, f"seed[{i}]") for i, each in enumerate(seed)]
+
+
+def chosen_envs(mask: object, envs: int, started: bool) -> NDArray[np.intp]:
+    """Numbers of the environments that a mask (env,) names, of None all.
+
+    Raises `UserError` if it is no mask, or leaves some out before the first reset of all.
+    """
+    if mask is None:
+        return np.arange(envs)
+    selected = np.asarray(mask)
+    if selected.shape != (envs,) or selected.dtype != np.bool_ or not selected.any():
+        words = f"give {envs} booleans, at least one of them True"
+        raise UserError(f"reset_mask = {reprlib.repr(mask)}: {words}")
+    if not selected.all():
+        checked_started(started, "reset of some sub-environments")
+    return np.flatnonzero(selected)
 
 
 def _array(value: object, shape: tuple[int, ...], name: str, remedy: str) -> NDArray[Any]:

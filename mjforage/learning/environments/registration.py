@@ -7,7 +7,7 @@ _HERE = "mjforage.learning.environments"
 ENTRIES = {
     "mjforage/Foraging-v0": ("foraging:ForagingEnv", "vector:ForagingVectorEnv"),
     "mjforage/SharedPolicy-v0": ("shared_policy:SharedPolicyEnv", None),
-    "mjforage/Waypoint-v0": ("waypoint:WaypointEnv", None),
+    "mjforage/Waypoint-v0": ("waypoint:WaypointEnv", "waypoint_vector:make_waypoint_batch"),
 }
 """Id -> class of one environment, and of a batch where there is one of our own."""
 

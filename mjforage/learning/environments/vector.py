@@ -1,6 +1,5 @@
 """`gymnasium.make_vec("mjforage/Foraging-v0")`: episodes side by side in one batched mission."""
 
-import reprlib
 from collections.abc import Sequence
 from numbers import Integral
 from typing import Any, ClassVar, Unpack
@@ -14,10 +13,12 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.learning.environments.checks import (
     check_threads,
+    checked_mode,
     checked_moves,
     checked_options,
-    checked_seed,
     checked_started,
+    chosen_envs,
+    env_seeds,
 )
 from mjforage.learning.environments.core import EnvironmentCore, Episodes
 from mjforage.learning.environments.episode_figure import EpisodeFigure
@@ -60,7 +61,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         check_threads(threads)
         options = EnvironmentOptions.of(arguments)
         self.num_envs, self.render_mode = num_envs, options.render_mode
-        self.autoreset_mode = _checked_mode(autoreset_mode)
+        self.autoreset_mode = checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
         self._core = EnvironmentCore(options, num_envs, threads=threads)
         self._episodes = [Episodes() for _ in range(num_envs)]
@@ -91,35 +92,13 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         options : `reset_mask`, (env,) booleans: which to start; absent: all
         """
         given = checked_options(options, ("reset_mask",))
-        seeds, envs = self._seeds(seed), self._selected(given.get("reset_mask"))
+        seeds = env_seeds(seed, self.num_envs)
+        envs = chosen_envs(given.get("reset_mask"), self.num_envs, self._core.started)
         super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
         self._start(envs, seeds)
         started = np.zeros(self.num_envs, np.bool_)
         started[envs] = True
         return self._observed(), self._laid_out(self._core.facts(), started)
-
-    def _seeds(self, seed: object) -> list[int | None]:
-        """A seed for each sub-environment."""
-        if seed is None:
-            return [None] * self.num_envs
-        if isinstance(seed, Integral):
-            return [checked_seed(int(seed) + i) for i in range(self.num_envs)]
-        if not isinstance(seed, Sequence | np.ndarray) or len(seed) != self.num_envs:
-            words = f"give one whole number, or {self.num_envs} of them"
-            raise UserError(f"seed = {reprlib.repr(seed)}: {words}")
-        return [checked_seed(each, f"seed[{i}]") for i, each in enumerate(seed)]
-
-    def _selected(self, mask: object) -> NDArray[np.intp]:
-        """Numbers of the sub-environments that a mask names."""
-        if mask is None:
-            return np.arange(self.num_envs)
-        selected = np.asarray(mask)
-        if selected.shape != (self.num_envs,) or selected.dtype != np.bool_ or not selected.any():
-            words = f"give {self.num_envs} booleans, at least one of them True"
-            raise UserError(f"reset_mask = {reprlib.repr(mask)}: {words}")
-        if not selected.all():
-            checked_started(self._core.started, "reset of some sub-environments")
-        return np.flatnonzero(selected)
 
     def step(
         self, actions: NDArray[np.int64]
@@ -222,11 +201,3 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         for name, fact in facts.items():
             info[name], info["_" + name] = fact, valid.copy()
         return info
-
-
-def _checked_mode(mode: object) -> AutoresetMode:
-    try:
-        return AutoresetMode(mode)
-    except ValueError as error:
-        names = ", ".join(each.value for each in AutoresetMode)
-        raise UserError(f"autoreset_mode = {mode!r}: unknown; choose {names}") from error

@@ -1,49 +1,48 @@
 """`mjforage/Waypoint-v0`: the thrusters of one vessel, to be steered to waypoints in weather."""
 
-import inspect
 import math
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Unpack
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.cached import warn_once
 from mjforage.controllers import Pilot
 from mjforage.learning.environments.checks import (
     RENDER_MODES,
-    check_mode,
     checked_options,
     checked_started,
     checked_thrusts,
 )
-from mjforage.learning.environments.choices import check_known
-from mjforage.learning.environments.rewards import checked_names
+from mjforage.learning.environments.waypoint_options import (
+    REWARD as REWARD,
+)
+from mjforage.learning.environments.waypoint_options import (
+    WaypointArguments,
+    WaypointOptions,
+)
 from mjforage.learning.environments.waypoint_track import TICK_S, WaypointTrack
-from mjforage.physics.run_warnings import vessel_warnings
 from mjforage.physics.vessel_models import vessel_model
-from mjforage.physics.vessels import load_vessel
-from mjforage.scenario.scenario import Weather
-from mjforage.scenario.schema import check_fields
 
 TICKS = 5  # of 0.1 s in a step
 WAYPOINTS = 8
 HORIZON = 300  # steps of 0.5 s
-STEP_REMEDY = "its motion will not be that of the hull; such drag needs steps of at most"
-
-REWARD = {"progress": 1.0, "reached": 5.0, "time": -0.1, "effort": -0.05}
-"""Term -> weight: metres nearer to the waypoint, waypoints reached, steps, mean square action.
-
-Full astern is an action of -1, as costly as full ahead, for any controller.
-"""
 
 SCALES = np.array(
     [20, 20, 4, 4, 20, 20, 3, 3, 1.5, 1, 1, 15, 15, 1, 1, 1], np.float64
 )  # value at which an entry of the observation is 1; more is cut off
 
 Numbers = NDArray[np.float32]
+
+
+def observation_space() -> Any:
+    """That of one environment, see `WaypointEnv`."""
+    return gymnasium.spaces.Box(-1.0, 1.0, (SCALES.size,), np.float32)
+
+
+def action_space() -> Any:
+    """Thrust of port and starboard."""
+    return gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
 
 
 class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
@@ -74,42 +73,17 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES, "render_fps": 2}  # type: ignore[misc]
 
-    def __init__(
-        self,
-        vessel: str | Path = "scout",
-        wind_mps: float = 3.0,
-        gust_intensity: float = 0.15,
-        current_mps: float = 0.15,
-        reward: Mapping[str, float] | None = None,
-        render_mode: str | None = None,
-        **unknown: object,
-    ) -> None:
-        """Prepare.
+    def __init__(self, **arguments: Unpack[WaypointArguments]) -> None:
+        """Prepare; arguments are those of `WaypointOptions`.
 
         Raises `UserError` if an argument is not valid, or not known.
-
-        Parameters
-        ----------
-        vessel : name or TOML file
-        wind_mps, current_mps : speeds; directions are drawn per episode
-        gust_intensity : standard deviation of the gusts over the wind's speed
-        reward : term -> weight; absent: `REWARD`
         """
-        check_known(unknown, [*inspect.signature(WaypointEnv).parameters][:-1])
-        weather = Weather(
-            wind_speed_mps=wind_mps, gust_intensity=gust_intensity, current_speed_mps=current_mps
-        )
-        check_fields(weather, "weather")
-        check_mode(render_mode)
-        self.render_mode = render_mode
-        self._weights = checked_names(REWARD if reward is None else reward, REWARD)
-        self._track = WaypointTrack(load_vessel(str(vessel)), weather, WAYPOINTS)
-        for line in vessel_warnings(self._track.vessel, wind_mps, TICK_S, STEP_REMEDY):
-            warn_once(f"vessel {self._track.vessel.name}: {line}")
+        options = WaypointOptions.of(arguments)
+        self.render_mode, self._weights = options.render_mode, options.weights
+        self._track = WaypointTrack(options.hull, options.weather, options.spread, WAYPOINTS)
         self._low, self._high = self._track.vessel.thruster.command_range
         self._way: list[tuple[float, float]] = []  # empty until the first reset
-        self.observation_space = gymnasium.spaces.Box(-1.0, 1.0, (SCALES.size,), np.float32)
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
+        self.observation_space, self.action_space = observation_space(), action_space()
 
     @property
     def track(self) -> WaypointTrack:

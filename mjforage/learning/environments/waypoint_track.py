@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.forcing import Forcing
+from mjforage.physics.scaled_vessels import deviations
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import Vessel
-from mjforage.scenario.scenario import Weather
+from mjforage.scenario.scenario import Spread, Weather
 
 TICK_S = 0.1  # controllers run at 10 Hz
 NEAREST_M, FARTHEST_M = 4.0, 12.0  # from one waypoint to the next: one to three nodes
@@ -26,8 +27,8 @@ class WaypointTrack:
     reached : how many of them have been reached
     """
 
-    def __init__(self, vessel: Vessel, weather: Weather, waypoints: int) -> None:
-        self.vessel, self._weather, self._count = vessel, weather, waypoints
+    def __init__(self, vessel: Vessel, weather: Weather, spread: Spread, waypoints: int) -> None:
+        self.vessel, self._weather, self._spread, self._count = vessel, weather, spread, waypoints
         self.simulation = Simulation(build_scene([vessel]), step_s=TICK_S)
 
     def start(self, random: np.random.Generator) -> None:
@@ -41,6 +42,7 @@ class WaypointTrack:
         self.simulation.reset()
         self.simulation.commands[:] = 0.0
         self.simulation.thruster_state[:] = 0.0
+        self.simulation.spread[:] = deviations(self._spread, 1, keys)
         self.simulation.place_vessels(np.array([0.0, 0.0, random.uniform(-np.pi, np.pi)]))
         self.reached, self._ticks = 0, 0
         self._read()

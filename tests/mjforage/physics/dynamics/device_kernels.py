@@ -12,6 +12,8 @@ from mjforage.base.device import Launch
 from mjforage.controllers import navigation, pilot
 from mjforage.forcing import forcing
 from mjforage.graph_planner.policies import create_policy
+from mjforage.learning.environments import waypoint_batch
+from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
 from mjforage.mission import item_rule
 from mjforage.mission.sensors import sensing_update
 from mjforage.mission.setup import Setup
@@ -42,6 +44,13 @@ LAUNCHES = {
     "collect": item_rule.COLLECT,
     "sense_perfectly": sensing_update.SENSE_PERFECTLY,
     "sense_imperfectly": sensing_update.SENSE_IMPERFECTLY,
+    "begin": waypoint_batch.BEGIN,
+    "steer": waypoint_batch.COMMAND,
+    "mark": waypoint_batch.MARK,
+    "feel": waypoint_batch.FEEL,
+    "read": waypoint_batch.READ,
+    "judge_step": waypoint_batch.JUDGE,
+    "see": waypoint_batch.SEE,
 }
 SCENARIOS = ("comb-port", "comb-port-weather", "comb-port-gnss")
 EPISODES, DECISIONS = 3, 6  # some vessels come to quays
@@ -61,11 +70,15 @@ Watcher = Callable[[str, tuple[Any, ...], Callable[[], Any]], Any]
 
 
 def fly() -> None:
-    """Short missions that call every kernel."""
+    """Short missions and tracks of waypoints that call every kernel."""
     for name in SCENARIOS:
         mission = create_mission(Setup.of(load_scenario(name, [f"horizon={DECISIONS}"])), "physics")
         mission.reset(0, np.arange(EPISODES))
         mission.run(create_policy("greedy"))
+    tracks = WaypointVectorEnv(EPISODES, device="warp-cpu")
+    tracks.reset(seed=0)
+    for _ in range(2):
+        tracks.step(np.full((EPISODES, 2), 0.5))
 
 
 @contextmanager
