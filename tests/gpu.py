@@ -1,7 +1,7 @@
 """What only a machine with a GPU can tell, in about five minutes: `python -m tests.gpu`.
 
-Kernels against those of the processor, the speed of fleets, and beside it MuJoCo Warp's own
-humanoid on the same card.
+Kernels against those of the processor, the speed of fleets and environments, and beside it MuJoCo
+Warp's own humanoid on the same card.
 """
 
 import subprocess
@@ -14,7 +14,7 @@ LIMIT_S = 150  # of each part
 HUMANOID = Path(mujoco_warp.__file__).parent / "test_data" / "humanoid" / "humanoid.xml"
 PARTS = {
     "kernels": ("-m", "tests.mjforage.physics.dynamics.repeated_on_device"),
-    "fleets": ("-m", "mjforage", "bench", "--device"),
+    "fleets": ("-m", "mjforage", "bench", "--device", "cuda"),
     "humanoid": ("-m", "mujoco_warp.testspeed", str(HUMANOID), "--nworld=8192"),
 }
 

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 from rich.table import Table
@@ -19,14 +19,15 @@ def _rounded(value: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
-def _on_gpu(progress: "Progress") -> "dict[str, Rate]":
+def _on_device(device: str, progress: "Progress") -> "dict[str, Rate]":
     from mjforage.base.device import require_gpu
 
-    require("bench --device", "mujoco_warp")
-    require_gpu("bench --device")
-    from mjforage.bench.on_gpu import speeds
+    require("bench --device", "mujoco_warp", "torch")
+    if device == "cuda":
+        require_gpu("bench --device cuda")
+    from mjforage.bench.on_device import speeds
 
-    return speeds(progress)
+    return speeds(device, progress)
 
 
 @app.command
@@ -34,7 +35,7 @@ def bench(
     *,
     out: Annotated[Path | None, Parameter(name=OUT.name, alias=("--output", "--json"))] = None,
     decisions: Annotated[bool, Parameter(negative="")] = False,
-    device: Annotated[bool, Parameter(negative="")] = False,
+    device: Literal["cuda", "warp-cpu"] | None = None,
 ) -> None:
     """Measure speeds on this machine, in CPU seconds of one core.
 
@@ -46,7 +47,7 @@ def bench(
     decisions
         Only the time of one decision of every policy, for a fleet of 4, 16 and 64 agents.
     device
-        Only fleets on a GPU: hulls, controllers and drifting items, per second.
+        Only fleets and environments on a device, per second of time: a GPU, or this processor.
     """
     from mjforage.base.atomic_files import write_json
     from mjforage.bench import decisions as deciding
@@ -68,7 +69,7 @@ def bench(
                 table.add_row(one.policy, str(one.agents), f"{one.ms:.3g}", span, one.reason)
             found = [asdict(one) for one in times]
         else:
-            figures = _on_gpu(progress) if device else running.bench(progress)
+            figures = _on_device(device, progress) if device else running.bench(progress)
             table = Table("figure", "value", "quickest", "unit")
             for key, speed in figures.items():
                 table.add_row(key, _rounded(speed.value), _rounded(speed.quickest), speed.unit)

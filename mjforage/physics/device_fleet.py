@@ -1,4 +1,4 @@
-"""Fleets of many episodes on a GPU: hulls in MuJoCo Warp, controllers and items in our kernels.
+"""Fleets of many episodes on a device: hulls in MuJoCo Warp, controllers and items in our kernels.
 
 A tick goes from the hulls' poses to commands, and moves hulls and items on; nothing of it is on the
 host. Items drift and meet quays, but no hulls and no other items. Nothing is sensed or collected.
@@ -50,14 +50,17 @@ READ, TELL = Launch(_read), Launch(_tell)
 class DeviceFleet:
     """A batch of fleets that follow their orders among quays and drifting items."""
 
-    def __init__(self, scene: Scene, chart: Chart, episodes: int, items: int) -> None:
+    def __init__(
+        self, scene: Scene, chart: Chart, episodes: int, items: int, device: str = "cuda"
+    ) -> None:
         """Set up vessels at the origin and items that are not on the water.
 
-        Raises `UserError` if there is no GPU.
+        Raises `UserError` if there is no such device.
 
-        `scene`: of `build_scene`, with no bodies for items; `items`: of an episode.
+        `scene`: of `build_scene`, with no bodies for items; `items`: of an episode; `device`: as of
+        `DeviceHulls`.
         """
-        self._hulls = hulls = DeviceHulls(scene, episodes, step_s=CONTROL_S, device="cuda")
+        self._hulls = hulls = DeviceHulls(scene, episodes, step_s=CONTROL_S, device=device)
         models = [vessel_model(vessel) for vessel in scene.vessels]
         self.pilot = Pilot(models, chart, episodes, CONTROL_S)
         one = Simulation(scene, 1, integrator=Integrator.FAST, step_s=CONTROL_S, items=items)

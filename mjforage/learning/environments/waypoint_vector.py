@@ -165,6 +165,10 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         info |= self._told(terms, over | ~over if again is None else ~again)
         return self._observation.clone(), self._reward.clone(), *ends, info
 
+    def wait(self) -> None:
+        """Wait until the device has done all steps."""
+        self._batch.hulls.wait()
+
     def _checked(self, actions: Any) -> Tensor:
         import torch
 

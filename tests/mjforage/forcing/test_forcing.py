@@ -95,8 +95,10 @@ def test_a_drawn_direction_is_uniform_over_the_circle(part: str) -> None:
 
 @pytest.mark.parametrize("part", ["wind", "current"])
 def test_drawn_speeds_are_uniform_about_the_mean_and_keep_their_directions(part: str) -> None:
-    steady = replace(CALM, **{f"{part}_speed_mps": 2.0})
-    spread = replace(steady, **{f"{part}_spread": 0.4})
+    options: dict[str, Any] = {f"{part}_speed_mps": 2.0}
+    steady = replace(CALM, **options)
+    options = {f"{part}_spread": 0.4}
+    spread = replace(steady, **options)
     one, other = (
         getattr(at_sea(given, 4000), part)(0.0, np.zeros((4000, 1, 2)))[:, 0]
         for given in (steady, spread)

@@ -4,7 +4,7 @@ import copy
 
 import numpy as np
 
-from mjforage.bench.on_gpu import port_fleet
+from mjforage.bench.on_device import port_fleet
 from mjforage.physics.dynamics.ticks import CONTROL_S
 from mjforage.physics.floating.drift import drift
 from mjforage.physics.port_drive import FLEET, PITCH_M

@@ -23,5 +23,5 @@ def test_without_a_gpu_the_bench_of_fleets_is_refused_in_one_line() -> None:
     pytest.importorskip("numba_cuda")
     from mjforage.cli.speeds import bench
 
-    with pytest.raises(UserError, match=r"^bench --device: there is no GPU"):
-        bench(device=True)
+    with pytest.raises(UserError, match=r"^bench --device cuda: there is no GPU"):
+        bench(device="cuda")

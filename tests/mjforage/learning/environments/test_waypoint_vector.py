@@ -25,7 +25,7 @@ ID, SEED, CLOSE = "mjforage/Waypoint-v0", 5, 1.05
 assert mjforage
 
 
-def batch(envs: int, mode: str = "NextStep", **options: Any) -> WaypointVectorEnv:
+def batch(envs: int, mode: str = "NextStep", /, **options: Any) -> WaypointVectorEnv:
     made = gymnasium.make_vec(ID, envs, device="warp-cpu", autoreset_mode=mode, **options)
     assert isinstance(made, WaypointVectorEnv)
     return made
@@ -105,7 +105,7 @@ def test_an_environment_is_the_same_in_any_batch() -> None:
 
 @pytest.fixture(scope="module")
 def wide() -> Iterator[WaypointVectorEnv]:
-    spread = {"mass_spread": 0.2, "drag_spread": 0.4, "thrust_spread": 0.3}
+    spread: dict[str, Any] = {"mass_spread": 0.2, "drag_spread": 0.4, "thrust_spread": 0.3}
     env = batch(400, wind_mps=4.0, wind_spread=0.5, current_spread=0.25, **spread)
     env.reset(seed=SEED)
     yield env

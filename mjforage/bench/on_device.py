@@ -1,4 +1,4 @@
-"""Speed of fleets on a GPU: hulls, controllers and drifting items, see `DeviceFleet`."""
+"""Speeds on a device: fleets of hulls, controllers and items (`DeviceFleet`), and environments."""
 
 import time
 
@@ -8,24 +8,31 @@ from mjforage.bench.running import Progress, Rate
 from mjforage.controllers import Chart
 from mjforage.forcing import LEEWAY
 from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
 from mjforage.physics.device_fleet import DeviceFleet
 from mjforage.physics.port_drive import FLEET, ITEMS, PITCH_M, WIND_MPS
 from mjforage.physics.scene import build_scene
 from mjforage.physics.vessels import load_vessel
 from mjforage.scenario.maps import load_map
 
-BATCHES = (1024, 4096, 16384)
+BATCHES = {"cuda": (1024, 4096, 16384), "warp-cpu": (16,)}
 TICKS, ORDERS_TICKS = 400, 100  # of a measurement, and from orders to orders
+STEPS_OF_A_SLICE = 20
 UNIT = "fleet steps of 0.1 s per second (4 vessels steered, 75 drifting items)"
 
 
-def port_fleet(episodes: int, items: int = ITEMS, seed: int = 0) -> DeviceFleet:
+STEPS = "environment steps of 0.5 s per second (one vessel, observed and steered by thrusts)"
+
+
+def port_fleet(
+    episodes: int, items: int = ITEMS, seed: int = 0, device: str = "cuda"
+) -> DeviceFleet:
     """Fleets and items at random nodes of the default port, under orders and wind."""
     water = load_map("comb_port").navigable
     graph, rng = navigation_graph(water, PITCH_M, False), np.random.default_rng(seed)
     vessels = [load_vessel(name) for name in FLEET]
     scene = build_scene(vessels, navigable=water, pitch_m=PITCH_M, items=0)
-    fleet = DeviceFleet(scene, Chart(graph.navigable, PITCH_M), episodes, items)
+    fleet = DeviceFleet(scene, Chart(graph.navigable, PITCH_M), episodes, items, device)
     centres = graph.metres(np.stack((graph.rows, graph.cols), axis=1).astype(np.float64))
     nodes = np.stack([rng.permutation(len(graph))[: len(FLEET)] for _ in range(episodes)])
     pose = np.zeros((episodes, len(FLEET), 3))
@@ -50,17 +57,39 @@ def give_orders(fleet: DeviceFleet, rng: np.random.Generator) -> None:
     fleet.send()
 
 
-def speeds(progress: Progress = lambda key: None) -> dict[str, Rate]:
-    """Measure batches of several sizes; the first ticks, which compile, do not count."""
+def speeds(device: str, progress: Progress = lambda key: None) -> dict[str, Rate]:
+    """Measure batches on "cuda" or "warp-cpu"; first ticks and steps, which compile, do not count.
+
+    Raises `UserError` if there is no such device.
+    """
     found = {}
-    for episodes in BATCHES:
+    for episodes in BATCHES[device]:
         progress(key := f"device_fleets_{episodes}")
-        fleet, rng, rates = port_fleet(episodes), np.random.default_rng(1), []
-        fleet.run(2)
-        for _ in range(TICKS // ORDERS_TICKS):
-            give_orders(fleet, rng)
-            started = time.perf_counter()
-            fleet.run(ORDERS_TICKS)
-            rates.append(episodes * ORDERS_TICKS / (time.perf_counter() - started))
-        found[key] = Rate(float(np.median(rates)), max(rates), UNIT)
+        found[key] = _fleets(device, episodes)
+        progress(key := f"device_waypoints_{episodes}")
+        found[key] = _waypoints(device, episodes)
     return found
+
+
+def _fleets(device: str, episodes: int) -> Rate:
+    fleet, rng, rates = port_fleet(episodes, device=device), np.random.default_rng(1), []
+    fleet.run(2)
+    for _ in range(TICKS // ORDERS_TICKS):
+        give_orders(fleet, rng)
+        started = time.perf_counter()
+        fleet.run(ORDERS_TICKS)
+        rates.append(episodes * ORDERS_TICKS / (time.perf_counter() - started))
+    return Rate(float(np.median(rates)), max(rates), UNIT)
+
+
+def _waypoints(device: str, envs: int) -> Rate:
+    env = WaypointVectorEnv(envs, device=device)
+    seen, _ = env.reset(seed=0)
+    rates = []
+    for _ in range(1 + TICKS // ORDERS_TICKS):
+        started = time.perf_counter()
+        for _ in range(STEPS_OF_A_SLICE):
+            seen, *_ = env.step(seen[:, :2])
+        env.wait()
+        rates.append(envs * STEPS_OF_A_SLICE / (time.perf_counter() - started))
+    return Rate(float(np.median(rates[1:])), max(rates[1:]), STEPS)
