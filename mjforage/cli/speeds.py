@@ -49,6 +49,8 @@ def bench(
     device
         Only fleets and environments on a device, per second of time: a GPU, or this processor.
     """
+    if not decisions and device is None:
+        require("bench", "torch")  # before minutes of measuring
     from mjforage.base.atomic_files import write_json
     from mjforage.bench import decisions as deciding
     from mjforage.bench import running
