@@ -25,7 +25,13 @@ class UnknownArgumentError(UserError, TypeError):
     """
 
 
-BATCHES = "num_envs", "autoreset_mode", "copy", "threads"  # arguments of `ForagingVectorEnv` alone
+BATCHES = (
+    "num_envs",
+    "autoreset_mode",
+    "copy",
+    "threads",
+    "device",
+)  # arguments of `ForagingVectorEnv` alone
 
 
 def check_known(arguments: Mapping[str, object], known: Sequence[str]) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from numbers import Integral
-from typing import Any, ClassVar, Unpack
+from typing import Any, ClassVar, TypeVar, Unpack, cast
 
 import numpy as np
 from gymnasium import spaces
@@ -25,6 +25,9 @@ from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.single import METADATA
 from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space, shown, values
+from mjforage.learning.environments.tensors import Tensors, on_host, with_device
+
+T = TypeVar("T")
 
 
 class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
@@ -44,6 +47,8 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         may overwrite it, which is quicker
     threads : on which hulls move, at most one for each sub-environment; results do not depend on
         it, and the graph world has one
+    device : engine of the hulls, `physics.device` ("cuda", "warp-cpu"); all that is given is then
+        tensors of torch there, actions may be, and `final_obs` and `final_info` have rows for all
     """
 
     metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
@@ -54,11 +59,16 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         copy: bool = True,
         threads: int = 1,
+        device: str | None = None,
         **arguments: Unpack[EnvironmentArguments],
     ) -> None:
         if num_envs < 1:
             raise UserError(f"num_envs = {num_envs}: give 1 or more")
         check_threads(threads)
+        self._tensors = None
+        if device is not None:
+            self._tensors = Tensors(device, arguments.get("world", EnvironmentOptions.world))
+            arguments["set"] = with_device(arguments.get("set", ()), device)
         options = EnvironmentOptions.of(arguments)
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = checked_mode(autoreset_mode)
@@ -93,12 +103,16 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         """
         given = checked_options(options, ("reset_mask",))
         seeds = env_seeds(seed, self.num_envs)
-        envs = chosen_envs(given.get("reset_mask"), self.num_envs, self._core.started)
+        envs = chosen_envs(on_host(given.get("reset_mask")), self.num_envs, self._core.started)
         super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
         self._start(envs, seeds)
         started = np.zeros(self.num_envs, np.bool_)
         started[envs] = True
-        return self._observed(), self._laid_out(self._core.facts(), started)
+        return self._given((self._observed(), self._laid_out(self._core.facts(), started)))
+
+    def _given(self, result: T) -> T:
+        """What a user is given, on a device as tensors."""
+        return result if self._tensors is None else cast(T, self._tensors.of(result))
 
     def step(
         self, actions: NDArray[np.int64]
@@ -114,7 +128,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         ----------
         actions : (env, agent) moves 0-8
         """
-        moves = checked_moves(actions, (self.num_envs, self._core.agents), "actions")
+        moves = checked_moves(on_host(actions), (self.num_envs, self._core.agents), "actions")
         again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
         outcome = self._core.step(moves)
         rewards = np.add.reduce(outcome.rewards, axis=1)
@@ -145,7 +159,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
             info |= self._laid_out(self._core.facts() | played)
         else:
             info |= self._laid_out(self._core.facts()) | self._laid_out(played, ~again)
-        return self._observed(), rewards, terminated, truncated, info
+        return self._given((self._observed(), rewards, terminated, truncated, info))
 
     def render(self) -> tuple[Any, ...] | None:
         """A picture (height, width, 3) uint8 of each, or None without a render mode."""
@@ -169,8 +183,13 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         seen = {name: self._shown(name, level) for name, level in levels.items()}
         return {**seen, MASK: self._core.masks}
 
-    def _last_seen(self, over: NDArray[np.bool_]) -> NDArray[np.object_]:
-        """(env,) observations of those that are over, each for itself; None of others."""
+    def _last_seen(self, over: NDArray[np.bool_]) -> NDArray[np.object_] | Arrays:
+        """(env,) observations of those that are over, each for itself; None of others.
+
+        On a device those of all, as `_observed`.
+        """
+        if self._tensors is not None:
+            return cast(Arrays, self._tensors.of(self._observed()))
         levels, masks = self._core.see(self._rows), self._core.masks
         last = np.full(self.num_envs, None, np.object_)
         for i in np.flatnonzero(over):

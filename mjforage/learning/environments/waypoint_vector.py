@@ -17,6 +17,7 @@ from mjforage.learning.environments.checks import (
     chosen_envs,
     env_seeds,
 )
+from mjforage.learning.environments.tensors import on_host
 from mjforage.learning.environments.waypoint import action_space, observation_space
 from mjforage.learning.environments.waypoint_options import WaypointArguments, WaypointOptions
 
@@ -119,9 +120,7 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         """
         given = checked_options(options, ("reset_mask",))
         seeds = env_seeds(seed, self.num_envs)
-        mask: Any = given.get("reset_mask")
-        mask = mask.cpu().numpy() if hasattr(mask, "cpu") else mask
-        envs = chosen_envs(mask, self.num_envs, self._started)
+        envs = chosen_envs(on_host(given.get("reset_mask")), self.num_envs, self._started)
         super().reset(seed=seeds[0] if isinstance(seed, int) else None)
         batch, arrays = self._batch, self._batch.hulls.arrays
         tracks = batch.tracks

@@ -1,0 +1,53 @@
+"""What a batch on a device gives and takes: tensors of torch in the place of arrays of NumPy."""
+
+from collections.abc import Mapping
+from typing import Any, get_args
+
+import numpy as np
+
+from mjforage.base.errors import UserError
+from mjforage.base.extras import require
+from mjforage.learning.environments.choices import Overrides
+from mjforage.scenario.scenario import Device
+
+TORCH_NAMES = {"cpu": "cpu", "warp-cpu": "cpu", "cuda": "cuda"}
+
+
+class Tensors:
+    """Arrays as tensors on one device, and back."""
+
+    def __init__(self, device: str, world: str) -> None:
+        """Check.
+
+        Raises `UserError` if there is no such device, the world has no hulls, or torch is missing.
+        """
+        if device not in get_args(Device):
+            raise UserError(f"device = {device!r}: unknown; choose {', '.join(get_args(Device))}")
+        if device != "cpu" and world == "graph":
+            raise UserError(f"device {device}: the graph world has no hulls; give world=physics")
+        require(f"device {device}", "torch")
+        self._name = TORCH_NAMES[device]
+
+    def of(self, value: Any) -> Any:
+        """Tensors of all arrays of numbers in something, in memory of their own."""
+        import torch
+
+        if isinstance(value, Mapping):
+            return {name: self.of(part) for name, part in value.items()}
+        if isinstance(value, tuple):
+            return tuple(map(self.of, value))
+        if isinstance(value, torch.Tensor):
+            return value
+        return torch.as_tensor(np.array(value)).to(self._name)
+
+
+def on_host(value: Any) -> Any:
+    """The array of a tensor, wherever it is; anything else as it is."""
+    return value.detach().cpu().numpy() if hasattr(value, "detach") else value
+
+
+def with_device(overrides: Overrides, device: str) -> Overrides:
+    """Overrides of a scenario, with the engine of its hulls."""
+    if isinstance(overrides, Mapping):
+        return {**overrides, "physics.device": device}
+    return [*overrides, f"physics.device={device}"]
