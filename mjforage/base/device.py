@@ -74,6 +74,11 @@ class OnDevice:
         self._copies[id(array)] = array, memory
         return array
 
+    @property
+    def memory_bytes(self) -> int:
+        """Memory of all copies."""
+        return sum(array.nbytes for array, _ in self._copies.values())
+
     def tensor(self, array: NDArray[Any]) -> Any:
         """The copy of an array as a tensor of torch, in the same memory."""
         torch, copy = importlib.import_module("torch"), self.of(array)
@@ -123,10 +128,10 @@ class Launch:
 
         On this processor `ids` are the episodes that the mask has now.
         """
+        arguments = self.arguments(device, episodes, *given)
         if not device.here:
-            arguments = self.arguments(device, episodes, *given)
             return lambda stream: self(episodes, *arguments, stream=stream)
-        named = zip(names_of(self.kernel), given, strict=True)
+        named = zip(names_of(self.kernel), arguments, strict=True)
         here = [np.flatnonzero(cast(Any, one)) if name == "ids" else one for name, one in named]
         bound = BoundKernel(self.kernel, *here)
 
@@ -166,7 +171,7 @@ class Launch:
             return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
         if not isinstance(value, np.ndarray):
             return value
-        if self.is_memory(name):
+        if self.is_memory(name) and not device.here:
             return _copied(np.broadcast_to(value, (episodes, *value.shape)))
         return device.of(value)
 

@@ -10,6 +10,7 @@ from mjforage.forcing import LEEWAY
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
 from mjforage.physics.device_fleet import DeviceFleet
+from mjforage.physics.device_hulls import DeviceHulls
 from mjforage.physics.port_drive import FLEET, ITEMS, PITCH_M, WIND_MPS
 from mjforage.physics.scene import build_scene
 from mjforage.physics.vessels import load_vessel
@@ -79,7 +80,7 @@ def _fleets(device: str, episodes: int) -> Rate:
         started = time.perf_counter()
         fleet.run(ORDERS_TICKS)
         rates.append(episodes * ORDERS_TICKS / (time.perf_counter() - started))
-    return Rate(float(np.median(rates)), max(rates), UNIT)
+    return _rate(rates, UNIT, fleet.hulls)
 
 
 def _waypoints(device: str, envs: int) -> Rate:
@@ -92,4 +93,10 @@ def _waypoints(device: str, envs: int) -> Rate:
             seen, *_ = env.step(seen[:, :2])
         env.wait()
         rates.append(envs * STEPS_OF_A_SLICE / (time.perf_counter() - started))
-    return Rate(float(np.median(rates[1:])), max(rates[1:]), STEPS)
+    return _rate(rates[1:], STEPS, env.hulls)
+
+
+def _rate(rates: list[float], unit: str, hulls: DeviceHulls) -> Rate:
+    """The median and the best, and what an episode takes on the device."""
+    kilobytes = f", {hulls.memory_bytes / 1e3:.3g} kB of memory each"
+    return Rate(float(np.median(rates)), max(rates), unit + kilobytes)

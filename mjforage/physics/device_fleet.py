@@ -60,7 +60,7 @@ class DeviceFleet:
         `scene`: of `build_scene`, with no bodies for items; `items`: of an episode; `device`: as of
         `DeviceHulls`.
         """
-        self._hulls = hulls = DeviceHulls(scene, episodes, step_s=CONTROL_S, device=device)
+        self.hulls = hulls = DeviceHulls(scene, episodes, step_s=CONTROL_S, device=device)
         models = [vessel_model(vessel) for vessel in scene.vessels]
         self.pilot = Pilot(models, chart, episodes, CONTROL_S)
         one = Simulation(scene, 1, integrator=Integrator.FAST, step_s=CONTROL_S, items=items)
@@ -82,21 +82,21 @@ class DeviceFleet:
 
     def place(self, pose: FloatArray) -> None:
         """Put the vessels (episode, vessel, 3) somewhere, at rest [m], [rad]."""
-        self._hulls.hulls.place_vessels(pose)
+        self.hulls.hulls.place_vessels(pose)
         self.pose[:] = pose
-        self._hulls.arrays.send(self.pose)
+        self.hulls.arrays.send(self.pose)
 
     def send(self) -> None:
         """Have the device know of orders to the pilot, and of changes to the items."""
         for array in (self._state, *self.afloat):
-            self._hulls.arrays.send(array)
+            self.hulls.arrays.send(array)
 
     def run(self, ticks: int) -> None:
         """Advance by so many ticks of 0.1 s."""
-        self._hulls.run(self._tick * ticks)
-        self._hulls.wait()
+        self.hulls.run(self._tick * ticks)
+        self.hulls.wait()
 
     def fetch(self) -> None:
         """Have the host know poses, velocities and items."""
         for array in (self.pose, self.velocity, self._state, *self.afloat):
-            self._hulls.arrays.fetch(array)
+            self.hulls.arrays.fetch(array)

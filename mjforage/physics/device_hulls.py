@@ -55,6 +55,12 @@ class DeviceHulls:
         self.places, self.velocities, self.lagged, self.commands, self.around = shared
         self.step: Call = lambda stream: self.hulls.advance()
 
+    @property
+    def memory_bytes(self) -> int:
+        """Memory of a world on the device, with what kernels of ours have been bound to."""
+        twice = sum(int(array.capacity) for array in self.hulls.live)
+        return (self.hulls.memory_bytes + self.arrays.memory_bytes - twice) // self._worlds
+
     def bind(self, launch: Launch, *given: object) -> Call:
         """A kernel on arrays of the host, or rather on what these are on the device."""
         return launch.bound(self.arrays, self._worlds, *given)

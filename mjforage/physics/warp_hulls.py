@@ -173,6 +173,11 @@ class WarpHulls:
         data = self._data
         return data.qpos, data.qvel, data.act, data.ctrl, self._around
 
+    @property
+    def memory_bytes(self) -> int:
+        """Memory of all worlds on the device, without the model and Warp's own scratch."""
+        return _bytes_of(self._data) + int(self._around.capacity)
+
     def surround(self, **inputs: NDArray[np.float64] | float) -> None:
         """Set fields of `vessel_motion.Surroundings`, (world, vessel) each or what broadcasts."""
         around = self._around.numpy()
@@ -213,6 +218,13 @@ class WarpHulls:
         ahead = self._data.qpos.numpy().reshape(self.vessel_velocity.shape)
         pose: NDArray[np.float32] = ahead - np.float32(self._shift_s) * self.vessel_velocity
         return pose
+
+
+def _bytes_of(part: Any) -> int:
+    """Memory of all of Warp's arrays in something."""
+    if isinstance(part, wp.array):
+        return int(part.capacity)
+    return sum(map(_bytes_of, vars(part).values())) if hasattr(part, "__dict__") else 0
 
 
 def _given(record: Any) -> Any:

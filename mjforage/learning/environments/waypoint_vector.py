@@ -164,6 +164,11 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         info |= self._told(terms, over | ~over if again is None else ~again)
         return self._observation.clone(), self._reward.clone(), *ends, info
 
+    @property
+    def hulls(self) -> Any:
+        """The vessels on the device, see `physics.device_hulls.DeviceHulls`."""
+        return self._batch.hulls
+
     def wait(self) -> None:
         """Wait until the device has done all steps."""
         self._batch.hulls.wait()

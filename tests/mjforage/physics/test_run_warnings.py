@@ -69,6 +69,13 @@ def test_wind_that_a_vessel_does_not_feel_is_told(tmp_path: Path) -> None:
     assert math.sqrt(2.0) * 0.1 * 0.4 / 0.03 == pytest.approx(1.89, abs=0.005)
 
 
+def test_a_device_and_vessels_that_differ_say_nothing_without_hulls() -> None:
+    given = "physics.device=warp-cpu", "physics.spread.mass=0.1"
+    line = "physics.spread, physics.device: not felt in world graph, and without effect in this run"
+    assert told(("graph",), *given) == [line]
+    assert told(("graph", "physics"), *given) == []
+
+
 def test_a_collector_without_load_is_told(tmp_path: Path) -> None:
     bare = copied(tmp_path, "forager", without="load")
     line = "vessel forager_ of foragers: has no [load], so that items aboard add neither mass nor "

@@ -126,6 +126,13 @@ def test_draws_are_those_of_missions(wide: WaypointVectorEnv) -> None:
     np.testing.assert_allclose(found, given[:, [2, 2, 0, 1]], rtol=1e-6)
 
 
+def test_memory_of_an_environment_is_told(wide: WaypointVectorEnv) -> None:
+    """Warp's contacts and rows, and our arrays; they grow with the batch alone."""
+    few = batch(100)
+    assert 8_000 < wide.hulls.memory_bytes < 12_000
+    assert few.hulls.memory_bytes == pytest.approx(wide.hulls.memory_bytes, rel=0.05)
+
+
 def test_waypoints_lie_one_to_three_nodes_apart_all_around(wide: WaypointVectorEnv) -> None:
     way = np.diff(wide._batch.tracks.waypoint, axis=1, prepend=0.0)
     length, bearing = np.hypot(*way.T), np.arctan2(*way.T)
