@@ -134,6 +134,23 @@ def test_coastlines_in_pieces(tmp_path: Path, lines: Any, area: float) -> None:
     assert grid.nodes == pytest.approx(area, rel=0.01)
 
 
+def test_a_box_within_a_ring_of_coastline_is_on_one_side_of_it(tmp_path: Path) -> None:
+    """The ring is one way that leaves the box out: clockwise around water, the other way land."""
+    ring = shapely.box(-300, -300, 300, 300).exterior  # counter-clockwise
+    for rings, water_m2 in (
+        ([ring.reverse()], 200 * 200),
+        ([ring], 0),
+        ([ring, shapely.box(-150, -150, 150, 150).exterior.reverse()], 200 * 200),  # on an island
+        ([ring.reverse(), shapely.box(-150, -150, 150, 150).exterior], 0),
+    ):
+        path = osm_xml(tmp_path / "ring.osm", coast_of(*(one.coords for one in rings)))
+        if water_m2:
+            assert made(path, pitch_m=2.0, crop=box_deg(100.0)).nodes * 4 == water_m2
+        else:
+            with pytest.raises(UserError, match="has no water there"):
+                made(path, pitch_m=2.0, crop=box_deg(100.0))
+
+
 def test_a_bay_that_is_drawn_over_land_and_a_lake_on_an_island(tmp_path: Path) -> None:
     """A coastline knows better than a bay; without one the bay is water, and a lake on land."""
     bay = (shapely.box(-90, -90, 90, 90), {"natural": "bay"})
