@@ -51,8 +51,8 @@ def test_charts(data: st.DataObject, files: Path) -> None:
     for path in files.glob("a.*"):
         shutil.copy(path, path.name)
     Path(f"a.{name}").write_bytes(spoilt((files / f"a.{name}").read_bytes(), data.draw))
-    points = ("--point", "0,0=36,-5.6", "--point", "11,19=35.999,-5.599") if name == "png" else ()
-    outcome("place", f"a.{name}", *SMALL, *points)
+    points = ("--point", "0,0=36,-5.6", "--point", "11,19=35.999,-5.599", "--water", "light")
+    outcome("place", f"a.{name}", *SMALL, *(points if name == "png" else ()))
     shutil.rmtree("made", ignore_errors=True)
 
 
