@@ -140,7 +140,10 @@ class Scenario(Setup):
         from mjforage.runs.exporting import write_export
         from mjforage.runs.recording import record
 
-        which = checks.whole("seed", seed, 0, 2**64 - 1), checks.whole("episode", episode, 0)
+        which = (
+            checks.whole("seed", seed, 0, 2**64 - 1),
+            checks.whole("episode", episode, 0, 2**63 - 1),
+        )
         where = checks.path("folder", folder), checks.text("to", to)
         return write_export(self, lambda: record(self, "graph", None, *which), *where)
 

@@ -16,6 +16,7 @@ from mjforage.forcing.stream_element import FloatArray
 IntArray: TypeAlias = NDArray[np.int64]
 
 _FEW = 32  # elements that join at once; about the quickest
+_TILE, _WIDE = 16, 512  # rows and columns of a tile, of 64 KiB
 
 
 class _Front(NamedTuple):
@@ -45,12 +46,35 @@ def _add(rows: FloatArray, part: FloatArray, at: IntArray) -> None:
 
 @kernel
 def _eliminate(rows: FloatArray, own: int) -> None:
-    """Gaussian elimination of the first `own` unknowns."""
-    for i in range(rows.shape[0]):
-        for p in range(min(i, own)):
-            factor = rows[p, i] / rows[p, p]
-            for j in range(i, rows.shape[1]):
-                rows[i, j] -= factor * rows[p, j]
+    """Gaussian elimination of the first `own` unknowns.
+
+    Tiles of rows take four rows above them at a time, which stay in the processor's cache. Each
+    number has its differences in the order of the rows, as without tiles.
+    """
+    size, wide = rows.shape
+    for first in range(0, size, _TILE):
+        last, done = min(first + _TILE, size), min(first, own)
+        for start in range(first, wide, _WIDE):
+            stop = min(start + _WIDE, wide)
+            for p in range(0, done - 3, 4):
+                for i in range(first, last):
+                    a, b = rows[p, i] / rows[p, p], rows[p + 1, i] / rows[p + 1, p + 1]
+                    c, d = rows[p + 2, i] / rows[p + 2, p + 2], rows[p + 3, i] / rows[p + 3, p + 3]
+                    low = max(i, start)
+                    to, e, f = rows[i, low:stop], rows[p, low:stop], rows[p + 1, low:stop]
+                    g, h = rows[p + 2, low:stop], rows[p + 3, low:stop]
+                    for j in range(to.size):
+                        to[j] = to[j] - a * e[j] - b * f[j] - c * g[j] - d * h[j]
+            for p in range(done - done % 4, done):
+                for i in range(first, last):
+                    factor = rows[p, i] / rows[p, p]
+                    for j in range(max(i, start), stop):
+                        rows[i, j] -= factor * rows[p, j]
+        for i in range(first, last):
+            for p in range(done, min(i, own)):
+                factor = rows[p, i] / rows[p, p]
+                for j in range(i, wide):
+                    rows[i, j] -= factor * rows[p, j]
 
 
 @kernel

@@ -35,15 +35,25 @@ _ZONE = re.compile(r"[0-9 ](?!UTC|GMT|Z$|T[0-9])[A-Z]{2,5}$")  # a zone by its n
 _LOWEST_M, _HIGHEST_M = 0.5, 200.0  # of a recorded wind
 
 
+def _check_root(path: Path) -> None:
+    """Raise as h5py does if a file's root is damaged, of which h5netcdf leaves a traceback."""
+    import h5py
+
+    with h5py.File(path) as file:
+        file.attrs.get("_nc3_strict")
+
+
 def netcdf_parts(path: Path, classic: bool, name: str) -> Content:
     """Content of a file: velocities (time, row, column, 2) by part, and what is known of them.
 
     Raises `UserError` if the file cannot be read or its grid, units or names are not such as these.
     """
-    require(name, "xarray", *(() if classic else ("h5netcdf",)))
+    require(name, "xarray", *(() if classic else ("h5netcdf", "h5py")))
     import xarray
 
     try:
+        if not classic:
+            _check_root(path)
         with xarray.open_dataset(path, engine="scipy" if classic else "h5netcdf") as opened:
             data = opened.load()
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RuntimeError) as error:

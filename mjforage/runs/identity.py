@@ -27,6 +27,7 @@ from mjforage.physics.worlds import WORLDS
 from mjforage.runs.fingerprint import Code, our_code, outside_code
 from mjforage.runs.resuming import UNCOMPARED
 from mjforage.scenario.capture import load_capture, usual_capture
+from mjforage.scenario.map_files import is_shipped_map
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import canonical_json, scenario_to_tree
 from mjforage.scenario.sensors import Sensors
@@ -41,19 +42,22 @@ def pinned(setup: Setup) -> Setup:
     So that `run.json` alone says what was run, whatever becomes of the map's files, and wherever
     it is read.
     """
-    choice = replace(setup.scenario.map, starts=setup.start_cells)
-    return replace(setup, scenario=replace(whole_paths(setup.scenario), map=choice))
+    scenario = whole_paths(setup.scenario)
+    choice = replace(scenario.map, starts=setup.start_cells)
+    return replace(setup, scenario=replace(scenario, map=choice))
 
 
 def whole_paths(scenario: Scenario) -> Scenario:
-    """The scenario with all of the paths of its record and its vessels; names stay as they are.
+    """The scenario with the whole paths of its map, its record and its vessels; names stay.
 
     Raises
     ------
     UserError
         If the record or a vessel cannot be read.
     """
-    weather, physics = scenario.weather, scenario.physics
+    choice, weather, physics = scenario.map, scenario.weather, scenario.physics
+    if not is_shipped_map(choice.file) and Path(choice.file).exists():
+        choice = replace(choice, file=str(Path(choice.file).resolve()))
     if weather.file is not None:
         read_record(weather.file)  # which tells what is no path
         weather = replace(weather, file=str(Path(weather.file).resolve()))
@@ -61,7 +65,8 @@ def whole_paths(scenario: Scenario) -> Scenario:
         team: str(vessel_path(name).resolve()) if name.endswith(".toml") else name
         for team, name in physics.vessels.items()
     }
-    return replace(scenario, weather=weather, physics=replace(physics, vessels=vessels))
+    physics = replace(physics, vessels=vessels)
+    return replace(scenario, map=choice, weather=weather, physics=physics)
 
 
 def outside_code_of(policies: Iterable[str], classes: Iterable[Callable[..., Any]] = ()) -> Code:

@@ -28,7 +28,7 @@ _BROKEN = OSError, ValueError, TypeError, SyntaxError, EOFError, ArithmeticError
 logger = logging.getLogger(__name__)
 
 
-def read_image(path: Path, name: str) -> Levels:
+def read_image(path: Path, name: str, told: bool = True) -> Levels:
     """Levels of an image; its size is checked in its header.
 
     From half as light as white a pixel is light; transparency counts as white. An image of 0 and 1
@@ -36,7 +36,7 @@ def read_image(path: Path, name: str) -> Levels:
     light or dark where that takes it for free or occupied, and else unknown. Raises `UserError` if
     it is no image, damaged or too large.
 
-    `path`: the file; `name`: name of the map in messages.
+    `path`: the file; `name`: name of the map in messages; `told`: warn of colours.
     """
     try:
         with warnings.catch_warnings():  # of its size, which is checked here
@@ -44,7 +44,7 @@ def read_image(path: Path, name: str) -> Levels:
             image = Image.open(path)
         with image:
             check_size(image.height, image.width, name)
-            return _levels(image, name)
+            return _levels(image, name, told)
     except UserError:
         raise
     except Image.DecompressionBombError as error:
@@ -59,7 +59,7 @@ def read_image(path: Path, name: str) -> Levels:
         raise UserError(f"map {name}: cannot be read as an image ({words})") from error
 
 
-def _levels(image: Image.Image, name: str) -> Levels:
+def _levels(image: Image.Image, name: str, told: bool) -> Levels:
     plain = "transparency" not in image.info
     if image.mode == "F":
         raise ValueError("its pixels are real numbers; give whole ones")
@@ -69,7 +69,7 @@ def _levels(image: Image.Image, name: str) -> Levels:
         return _grey(np.asarray(image), 255, image, name)
     if image.mode.startswith("I"):
         return _grey(np.asarray(image), 65535, image, name)
-    return _colours(image, name)
+    return _colours(image, name, told)
 
 
 def _grey(values: NDArray[Any], top: int, image: Image.Image, name: str) -> Levels:
@@ -95,7 +95,7 @@ def _is_served(values: NDArray[Any]) -> bool:
     return 205 in found and found <= SERVED
 
 
-def _colours(image: Image.Image, name: str) -> Levels:
+def _colours(image: Image.Image, name: str, told: bool) -> Levels:
     """Levels of colours by their lightness, on white."""
     levels: Levels = np.empty((image.height, image.width), np.int8)
     coloured = 0
@@ -105,7 +105,7 @@ def _colours(image: Image.Image, name: str) -> Levels:
         levels[top : top + BAND] = np.asarray(shown.convert("L")) >= HALF[255]
         parts: NDArray[Any] = np.asarray(shown.convert("RGB"))
         coloured += int((np.ptp(parts, axis=-1) > COLOURED).sum())
-    if coloured > MANY * levels.size:
+    if told and coloured > MANY * levels.size:
         logger.warning(
             "map %s: %.0f %% of its pixels are coloured, and colours count by lightness alone: "
             "%.0f %% of all are light; `mjforage maps %s -o seen.png` shows which",

@@ -40,10 +40,15 @@ def coastlines(shapes: Shapes, tags: Sequence[Mapping[str, str]]) -> Shapes:
 
 
 def seaward(lines: Shapes, box: Any, remarks: list[str]) -> Any:
-    """Faces of a box to the right of coastlines; lines that end in it are led on."""
+    """Faces to the right of coastlines; lines that end in a box are led on.
+
+    A box that no coastline touches is a part of the face that it lies in.
+    """
     import shapely
 
-    net = shapely.union_all([*lines, *_led_on(lines, box, remarks), shapely.boundary(box)])
+    inside = shapely.intersects(lines, box).any()
+    edges = [*_led_on(lines, box, remarks), shapely.boundary(box)] if inside else []
+    net = shapely.union_all([*lines, *edges])
     faces = np.array(shapely.get_parts(shapely.polygonize([*shapely.get_parts(net)])))
     parts = shapely.get_parts(shapely.segmentize(lines, _VOTE_M))
     ends = [shapely.get_coordinates(part) for part in parts]

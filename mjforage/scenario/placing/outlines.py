@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
+from mjforage.scenario.placing.relations import incomplete_areas
 
 Box = tuple[float, float, float, float]  # west, south, east, north [deg]
 _HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')  # OpenStreetMap's other_tags
@@ -29,6 +30,7 @@ class Outlines:
     kind : "osm", "s57" or "plain"
     licence : what the format says of it, or nothing
     bounds : box that an extract of OpenStreetMap says it is of, which its ways may leave, if any
+    incomplete : tags of areas that are no features, as the extract lacks ways of their outlines
     """
 
     shapes: NDArray[np.object_]
@@ -36,6 +38,7 @@ class Outlines:
     kind: str
     licence: str
     bounds: Box | None
+    incomplete: Sequence[dict[str, str]]
 
 
 def read_outlines(path: Path, box: Box | None) -> Outlines:
@@ -81,7 +84,8 @@ def _read(path: Path, box: Box | None, index: bool = True) -> Outlines:
         where = f" in the crop {box}" if box else ""
         raise UserError(f"place {path}: has no features{where}; give a file or crop with some")
     tags, licence = [tag for part in parts for tag in part[1]], _licence(path, kind, layers)
-    return Outlines(shapes, tags, kind, licence, bounds)
+    incomplete = incomplete_areas(path) if kind == "osm" else []
+    return Outlines(shapes, tags, kind, licence, bounds, incomplete)
 
 
 def _kind(path: Path, layers: Collection[str]) -> str:

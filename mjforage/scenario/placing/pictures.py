@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from mjforage.base.errors import UserError
-from mjforage.scenario.map_files import read_cells
+from mjforage.scenario.map_formats import DARK, LIGHT, read_image
+from mjforage.scenario.map_formats.images import COLOURED, MANY
 from mjforage.scenario.place import projection
 
 Point = tuple[float, float, float, float]  # row, column, latitude, longitude
@@ -34,27 +35,37 @@ def control_point(text: str) -> Point:
 def image_water(path: Path, colours: Sequence[str]) -> NDArray[np.bool_]:
     """(row, column) of an image, its light pixels, its dark ones, or those of colours.
 
-    Raises `UserError` if the image cannot be read, or no pixel has one of the colours.
+    Raises `UserError` if the image cannot be read, is coloured and no colour is given, or no pixel
+    has one of the colours.
 
-    `colours`: "light", "dark", or colours such as #aad3df; none: light.
+    `colours`: "light", "dark", or colours such as #aad3df; none: light, of an image of greys.
     """
-    words = list(colours) or ["light"]
-    plain = read_cells(path, path.name, "dark" if words == ["dark"] else "light")
-    if words in (["light"], ["dark"]):
-        return plain
+    words, levels = list(colours) or ["light"], read_image(path, path.name, told=False)
     with Image.open(path) as image:
         shown = np.asarray(image.convert("RGB")).astype(np.int16)
-    found = np.zeros(plain.shape, np.bool_)
+    if not colours and (share := float((np.ptp(shown, axis=-1) > COLOURED).mean())) > MANY:
+        raise UserError(
+            f"place {path}: {100 * share:.0f} % of its pixels are coloured; say by --water which "
+            f"are water: light, dark, or colours, of which there are {_colours_in(shown)}"
+        )
+    if words in (["light"], ["dark"]):
+        return np.asarray(levels == (DARK if words == ["dark"] else LIGHT))
+    found = np.zeros(levels.shape, np.bool_)
     for word in words:
         if not re.fullmatch(r"#[0-9a-fA-F]{6}", word):
             raise UserError(f"--water {word}: of an image give light, dark, or a colour: #aad3df")
         colour = [int(word[i : i + 2], 16) for i in (1, 3, 5)]
         found |= np.abs(shown - colour).max(axis=-1) <= _NEAR
     if not found.any():
-        often = Image.fromarray(shown.astype(np.uint8)).quantize(4).getpalette() or []
-        some = ", ".join("#" + bytes(often[i : i + 3]).hex() for i in range(0, 12, 3))
+        some = _colours_in(shown)
         raise UserError(f"--water {' '.join(words)}: no pixel is near it; there are {some}")
     return found
+
+
+def _colours_in(shown: NDArray[np.int16]) -> str:
+    """The four colours that stand for all of an image, in words."""
+    often = Image.fromarray(shown.astype(np.uint8)).quantize(4).getpalette() or []
+    return ", ".join("#" + bytes(often[i : i + 3]).hex() for i in range(0, 12, 3) if often[i:])
 
 
 class Georeference:

@@ -94,8 +94,9 @@ def water_of(
     tags, kind, shapes = outlines.tags, outlines.kind, shapes.copy()
     kinds = "osm" if kind == "plain" else kind
     names = np.array([_type(shape) for shape in shapes])
-    is_water = _fit(tags, choice.water, "--water", WATER[kinds])
-    is_land = _fit(tags, choice.land, "--land", LAND[kinds])
+    every = [*tags, *outlines.incomplete]
+    is_water = _fit(every, choice.water, "--water", WATER[kinds])[: len(tags)]
+    is_land = _fit(every, choice.land, "--land", LAND[kinds])[: len(tags)]
     for i in np.flatnonzero(is_water & (names == "line")).tolist():
         if shapely.is_closed(shapes[i]) and len(shapely.get_coordinates(shapes[i])) > 3:
             shapes[i], names[i] = shapely.make_valid(shapely.Polygon(shapes[i])), "area"
@@ -105,12 +106,13 @@ def water_of(
         coast &= names == "line"
     elif coast.any():
         is_water &= ~np.isin(natural, _BAY)
-    remarks: list[str] = []
+    missing = _incomplete(outlines.incomplete, choice)
+    remarks = list(missing)
     if not (is_water | is_land).any():
         if kind != "plain" or not (names == "area").any():
             raise UserError(
                 f"place: none of {len(tags)} features is known as water or land; say which are by "
-                f"--water KEY=VALUE or --land KEY=VALUE, with {_keys(tags)}"
+                f"--water KEY=VALUE or --land KEY=VALUE, with {'; '.join([_keys(tags), *missing])}"
             )
         is_water = names == "area"
         remarks.append(f"all {is_water.sum()} polygons taken for water; --water, --land filter")
@@ -131,7 +133,8 @@ def water_of(
         sea = seaward(lines, box, remarks)
     waters, known = shapes[is_water], is_water.any() or (coast.any() and not choice.water)
     if not known and (choice.water or kind == "s57" or not (solid or ground.any())):
-        raise UserError("place: no polygon is water there; give another crop, --water, --min-depth")
+        how = "; ".join(["give another crop, --water, --min-depth", *missing])
+        raise UserError(f"place: no polygon is water there; {how}")
     if not known:
         remarks.append("no polygon of water and no coastline: all that is not land taken for water")
     water = _closed(shapely.union_all([*waters, sea])) if known else box
@@ -185,7 +188,7 @@ def _fit(
     """(feature,) whether it fits one of the filters, or of the usual rules if there are none."""
     found = np.zeros(len(tags), np.bool_)
     for key, value in [_rule(text, flag) for text in filters] or usual:
-        fits = np.array([key in tag and value in ("", tag[key]) for tag in tags])
+        fits = np.array([_fits(tag, (key, value)) for tag in tags])
         if filters and not fits.any():
             known = {one for tag in tags for one in tag}
             values = {tag[key] for tag in tags if key in tag}
@@ -193,6 +196,11 @@ def _fit(
             raise UserError(f"{flag} {key}{'=' * bool(value)}{value}: fits no feature; {close}")
         found |= fits
     return found
+
+
+def _fits(tag: Mapping[str, str], rule: Rule) -> bool:
+    key, value = rule
+    return key in tag and value in ("", tag[key])
 
 
 def _rule(text: str, flag: str) -> Rule:
@@ -261,6 +269,21 @@ def _metres(text: str | None) -> float:
         return float((text or "nan").removesuffix("m").strip())
     except ValueError:
         return float("nan")
+
+
+def _incomplete(areas: Sequence[Mapping[str, str]], choice: Choice) -> list[str]:
+    """A line on the areas of water or land that an extract has not all of."""
+    rules = [_rule(text, "--water") for text in choice.water] or list(WATER["osm"])
+    rules += [_rule(text, "--land") for text in choice.land] or list(LAND["osm"])
+    keys = [[key for key, value in rules if _fits(area, (key, value))] for area in areas]
+    found = [(area, key[0]) for area, key in zip(areas, keys, strict=True) if key]
+    if not found:
+        return []
+    some = "; ".join(f"relation {area['osm_id']}, {key}={area[key]}" for area, key in found[:3])
+    return [
+        f"areas that may be missing: {len(found)} ({some}); the extract lacks ways of "
+        "their outlines; cut it with osmium extract --strategy smart"
+    ]
 
 
 def _dropped(

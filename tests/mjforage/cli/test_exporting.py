@@ -40,6 +40,7 @@ def test_a_scenario_and_a_run_are_exported(command: Callable[..., Any], folder: 
         (["RUN", "--to", "mjcf", "--seed", 1], "--seed: is for the export of a scenario"),
         (["RUN", "--to", "mjcf", "--episode", 2], "episode 2: give 0 to 1"),
         (["comb-port", "--to", "mjcf", "--episode", -1], "episode -1: give"),
+        (["comb-port", "--to", "mjcf", "--episode", 2**63], "episode 9223372036854775808: give"),
         (
             ["comb-port", "--to", "mjcf", "--set", "map.pitch_m=1"],
             "vessel forager: a vessel of 2 m x 1.08 m needs 2.27 m to turn",

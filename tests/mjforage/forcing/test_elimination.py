@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from mjforage.forcing.elimination import IntArray, least_of_elements
+from mjforage.forcing.elimination import IntArray, _eliminate, least_of_elements
 from mjforage.forcing.stream_element import EAST, NORTH, FloatArray
 from mjforage.forcing.stream_solver import shore_unknowns, stream_functions
 from mjforage.scenario.maps import load_map
@@ -48,3 +48,18 @@ def test_elements_may_have_an_unknown_twice_or_none(seed: int) -> None:
     found = least_of_elements(places, corners, matrix, loads)
     true = by_sparse_solver(places, matrix, loads)
     np.testing.assert_allclose(found, true, rtol=0.0, atol=1e-10 * np.abs(true).max())
+
+
+@pytest.mark.parametrize(("size", "own"), [(1, 1), (7, 3), (33, 33), (130, 61), (600, 250)])
+def test_tiles_change_no_bit(size: int, own: int) -> None:
+    """Each number has its differences in the order of the rows, wherever tiles end."""
+    drawn = np.random.default_rng(size).normal(size=(size, size + 2))
+    rows = np.hstack((drawn[:, :size] @ drawn[:, :size].T + size * np.eye(size), drawn[:, size:]))
+    plain = rows.copy()
+    for p in range(own):
+        below = slice(p + 1, None)
+        away = np.outer(plain[p, below][: size - p - 1] / plain[p, p], plain[p, below])
+        plain[below, below] -= away
+    _eliminate(rows, own)
+    upper = np.triu(np.ones(rows.shape, np.bool_))
+    assert (rows[upper] == plain[upper]).all()

@@ -1,5 +1,7 @@
 """Records that are not what they should be: each has one line."""
 
+import gc
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -149,6 +151,22 @@ def test_each_malformed_grid_has_one_line(tmp_path: Path, fault: str) -> None:
     with pytest.raises(UserError, match=r"^record ") as caught:
         read_record(saved(tmp_path, spoil(grid())))
     assert words in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_damaged_root_leaves_no_traceback(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Such as of an object that was half made, and fails again as it is deleted."""
+    left: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", left.append)
+    file = Path(saved(tmp_path, grid()))
+    content = bytearray(file.read_bytes())
+    content[99] ^= 255  # in the header of the root
+    file.write_bytes(content)
+    with pytest.raises(UserError, match="is no NetCDF file that can be read"):
+        read_record(str(file))
+    gc.collect()
+    assert not left
 
 
 def test_a_record_that_does_not_fit_its_mission_is_refused(tmp_path: Path) -> None:

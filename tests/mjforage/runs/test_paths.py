@@ -71,10 +71,34 @@ def test_a_run_finds_its_vessels_from_any_folder(
         found.export("gone", "mjcf", episode=1)
 
 
+def test_a_run_goes_on_from_any_folder(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the same scenario, named from there or taken from the run itself."""
+    folder = project.parent / "run"
+    monkeypatch.chdir(project)
+    mf.evaluate("mine.toml", "greedy", episodes=1, folder=folder)
+    monkeypatch.chdir(project.parent / "elsewhere")
+    again = mf.evaluate("../project/mine.toml", "greedy", episodes=2, folder=folder)
+    assert again.scenario.to_dict()["map"]["file"] == str(project / "port")
+    found = mf.evaluate(mf.load_run(folder).scenario, "greedy", episodes=3, folder=folder)
+    assert found.episodes["episode"].to_list() == [0, 1, 2]
+
+
+def test_a_run_is_shown_from_any_folder(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`mjforage render` makes an episode anew that was not recorded, with vessels and record."""
+    from mjforage.cli import main
+
+    monkeypatch.chdir(project)
+    mf.evaluate("mine.toml", "greedy", world="physics", episodes=2, record=[0], folder="../run")
+    monkeypatch.chdir(project.parent / "elsewhere")
+    for episode in ("0", "1"):
+        main(["render", "../run", "--episode", episode, "-o", f"{episode}.png"])
+        assert Path(f"{episode}.png").stat().st_size > 1000
+
+
 def test_a_training_has_its_files_from_the_folder_of_the_scenario(
-    project: Path, caplog: pytest.LogCaptureFixture
+    project: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It says once which moves follow, and does not go on with another record."""
+    """It tells moves once, goes on from any folder, and does not with another record."""
     how: dict[str, Any] = {"settings": TINY, "folder": project.parent / "learned"}
     with caplog.at_level(logging.WARNING):
         mf.train("ddqn", "project/mine.toml", updates=1, **how)
@@ -82,11 +106,13 @@ def test_a_training_has_its_files_from_the_folder_of_the_scenario(
     assert said.count(MOVES) == 1
     info = json.loads((project.parent / "learned" / "training.json").read_text())
     assert info["scenario"]["weather"]["file"] == str(project / "wind.csv")
-    assert info["scenario"]["map"]["file"] == "project/port"
+    assert info["scenario"]["map"]["file"] == str(project / "port")
+    monkeypatch.chdir(project.parent / "elsewhere")
+    mf.train("ddqn", "../project/mine.toml", updates=2, **how)
     changed = (project / "wind.csv").read_text().replace(",200", ",190")
     (project / "wind.csv").write_text(changed)
     with pytest.raises(UserError, match="holds another training: maps is"):
-        mf.train("ddqn", "project/mine.toml", updates=2, **how)
+        mf.train("ddqn", "../project/mine.toml", updates=3, **how)
 
 
 def test_a_training_keeps_the_place_of_a_map_that_is_an_object(project: Path) -> None:

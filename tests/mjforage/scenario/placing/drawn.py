@@ -110,10 +110,14 @@ def _blob(kind: bytes, block: bytes) -> bytes:
     return struct.pack(">I", len(header)) + header + blob
 
 
-def osm_pbf(path: Path, ways: Features) -> Path:
+def osm_pbf(path: Path, ways: Features, relations: Mapping[int, Any] | None = None) -> Path:
     """Write ways of one line or outline each as OpenStreetMap's protocol buffers (.osm.pbf).
 
-    Format: https://wiki.openstreetmap.org/wiki/PBF_Format
+    Ways are numbered from 1. Format: https://wiki.openstreetmap.org/wiki/PBF_Format
+
+    Parameters
+    ----------
+    relations : of each number, the ways that are its members, with their roles, and its tags
     """
     texts, groups = [b""], b""
     nodes: list[tuple[float, ...]] = []
@@ -132,6 +136,12 @@ def osm_pbf(path: Path, ways: Features) -> Path:
         keys, values = (_packed(number(one[i]) for one in tags.items()) for i in (0, 1))
         way = _field(1, k) + _field(2, keys) + _field(3, values) + _field(8, _deltas(references))
         groups += _field(3, way)
+    for k, (members, tags) in (relations or {}).items():
+        keys, values = (_packed(number(one[i]) for one in tags.items()) for i in (0, 1))
+        relation = _field(1, k) + _field(2, keys) + _field(3, values)
+        relation += _field(8, _packed(number(role) for role in members.values()))
+        relation += _field(9, _deltas([*members])) + _field(10, _packed([1] * len(members)))
+        groups += _field(4, relation)
     degrees = np.rint(np.array(nodes) * 1e7).astype(np.int64)
     dense = _field(1, _deltas([*range(1, len(nodes) + 1)]))
     dense += _field(8, _deltas(degrees[:, 1].tolist())) + _field(9, _deltas(degrees[:, 0].tolist()))

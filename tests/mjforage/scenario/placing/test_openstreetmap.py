@@ -1,6 +1,7 @@
 """A drawn harbour with what real extracts of OpenStreetMap have, in XML and as GeoJSON."""
 
 import itertools
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
+from mjforage.base.errors import UserError
 from mjforage.scenario.maps import GridMap
 from tests.mjforage.scenario.placing.drawn import (
     Features,
@@ -16,6 +18,7 @@ from tests.mjforage.scenario.placing.drawn import (
     geojson,
     made,
     on_globe,
+    osm_pbf,
     osm_xml,
     place_of,
 )
@@ -131,6 +134,23 @@ def test_coastlines_in_pieces(tmp_path: Path, lines: Any, area: float) -> None:
     assert grid.nodes == pytest.approx(area, rel=0.01)
 
 
+def test_a_box_within_a_ring_of_coastline_is_on_one_side_of_it(tmp_path: Path) -> None:
+    """The ring is one way that leaves the box out: clockwise around water, the other way land."""
+    ring = shapely.box(-300, -300, 300, 300).exterior  # counter-clockwise
+    for rings, water_m2 in (
+        ([ring.reverse()], 200 * 200),
+        ([ring], 0),
+        ([ring, shapely.box(-150, -150, 150, 150).exterior.reverse()], 200 * 200),  # on an island
+        ([ring.reverse(), shapely.box(-150, -150, 150, 150).exterior], 0),
+    ):
+        path = osm_xml(tmp_path / "ring.osm", coast_of(*(one.coords for one in rings)))
+        if water_m2:
+            assert made(path, pitch_m=2.0, crop=box_deg(100.0)).nodes * 4 == water_m2
+        else:
+            with pytest.raises(UserError, match="has no water there"):
+                made(path, pitch_m=2.0, crop=box_deg(100.0))
+
+
 def test_a_bay_that_is_drawn_over_land_and_a_lake_on_an_island(tmp_path: Path) -> None:
     """A coastline knows better than a bay; without one the bay is water, and a lake on land."""
     bay = (shapely.box(-90, -90, 90, 90), {"natural": "bay"})
@@ -166,3 +186,55 @@ def test_files_of_editors_have_numbers_below_0(tmp_path: Path) -> None:
     text = path.read_text().replace('id="', 'id="-').replace('ref="', 'ref="-')
     path.write_text(text)
     assert made(path, crop=box_deg(100.0)).nodes == 50 * 25
+
+
+LAKE = {"type": "multipolygon", "natural": "water"}
+RELATIONS: dict[int, Any] = {  # of their members, ways 1 and 2 are in the file
+    900: ({1: "outer", 77: "inner"}, LAKE),
+    901: ({300: "outer", 2: "outer"}, LAKE | {"natural": "wood"}),
+    902: ({78: "outer"}, {"type": "boundary", "boundary": "administrative"}),
+    903: ({1: "outer", 79: "subarea"}, LAKE | {"name": "whole"}),
+    904: ({80: "outer"}, {"type": "route", "natural": "water"}),
+    905: ({2: "outer", 81: "outer"}, {"type": "multipolygon", "man_made": "pier"}),
+}
+
+
+def extract_of(path: Path, ways: Features, relations: dict[int, Any]) -> Path:
+    """A file of ways with the numbers from 1, and relations."""
+    if path.suffix == ".pbf":
+        return osm_pbf(path, ways, relations)
+    xml = ""
+    for k, (members, tags) in relations.items():
+        inside = [f'<member type="way" ref="{i}" role="{role}"/>' for i, role in members.items()]
+        inside += [f'<tag k="{key}" v="{value}"/>' for key, value in tags.items()]
+        xml += f'<relation id="{k}" version="1">{"".join(inside)}</relation>'
+    text = osm_xml(path, ways, None, xml).read_text()
+    for way, number in enumerate(re.findall(r'<way id="(\d+)"', text), 1):
+        text = text.replace(f'<way id="{number}"', f'<way id="{way}"')
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("name", ["bay.osm", "bay.osm.pbf"])
+def test_areas_that_an_extract_has_not_all_of_are_told(tmp_path: Path, name: str) -> None:
+    """GDAL leaves them out. Boundaries, forests, whole areas and routes are no news."""
+    ways = [
+        (shapely.box(-90, -90, 90, 90), {"natural": "water"}),
+        (shapely.box(-10, -10, 10, 10), {"man_made": "pier"}),
+    ]
+    grid = made(extract_of(tmp_path / name, ways, RELATIONS), pitch_m=2.0)
+    lines = [line for line in place_of(grid).remarks if "osmium" in line]
+    assert lines == [
+        "areas that may be missing: 2 (relation 900, natural=water; relation 905, man_made=pier); "
+        "the extract lacks ways of their outlines; cut it with osmium extract --strategy smart"
+    ]
+    whole = made(extract_of(tmp_path / name, ways, {903: RELATIONS[903]}), pitch_m=2.0)
+    assert not [line for line in place_of(whole).remarks if "osmium" in line]
+    chosen = made(extract_of(tmp_path / name, ways, RELATIONS), land=("natural=wood", "man_made"))
+    (line,) = [line for line in place_of(chosen).remarks if "osmium" in line]
+    assert "missing: 3 (" in line and "relation 901, natural=wood" in line
+    road = extract_of(tmp_path / name, [(ways[0][0], {"highway": "path"})], {900: RELATIONS[900]})
+    with pytest.raises(
+        UserError, match=r"known as water .*; areas that may be missing: 1 \(relation 900"
+    ):
+        made(road)

@@ -50,12 +50,13 @@ def test_a_control_point_is_where_it_was_said_to_be() -> None:
     np.testing.assert_allclose(known.corners.mean(axis=0), [LON, LAT], atol=1e-8)
 
 
-def test_water_can_be_dark_or_of_a_colour(tmp_path: Path) -> None:
+def test_water_can_be_dark_or_of_a_colour(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     how = {"points": control(0.0), "rotation_deg": None}
     path = drawn(tmp_path / "dark.png", "black", "white")
     assert made(path, 3.0, water=("dark",), **how).nodes == 40 * 30
     chart = drawn(tmp_path / "chart.png", "#aad3df", "#f2efe9")
     assert made(chart, 3.0, water=("#a8d0e0",), **how).nodes == 40 * 30
+    assert not caplog.records  # lightness is not asked for
 
 
 def test_a_control_point_is_read() -> None:
