@@ -11,6 +11,11 @@ from xml.etree import ElementTree
 _TYPES = ("multipolygon", "boundary")  # relations that GDAL makes areas of
 _NO_OUTLINE = "subarea"  # role of members that are no part of it
 _WAY = 1  # kind of a member, in protocol buffers
+_BLOCK = 1 << 25  # bytes of a block, at most
+_BROKEN = (
+    *(KeyError, IndexError, TypeError, ValueError, struct.error, zlib.error),
+    *(ElementTree.ParseError, MemoryError),
+)
 
 
 class _Relation(NamedTuple):
@@ -33,7 +38,7 @@ def incomplete_areas(path: Path) -> list[dict[str, str]]:
         for one in _of_xml(path) if xml else _of_pbf(path):
             relations += [one] if isinstance(one, _Relation) else []
             there |= set() if isinstance(one, _Relation) else {one}
-    except (KeyError, IndexError, ValueError, struct.error, zlib.error, ElementTree.ParseError):
+    except _BROKEN:
         return []
     return [one.tags for one in relations if one.tags.get("type") in _TYPES and one.ways - there]
 
@@ -61,7 +66,9 @@ def _of_pbf(path: Path) -> Iterator[int | _Relation]:
             head = dict(_fields(file.read(*struct.unpack(">I", size))))
             blob = dict(_fields(file.read(head[3])))
             if bytes(head[1]) == b"OSMData":
-                yield from _of_block(blob[1] if 1 in blob else zlib.decompress(blob[3]))
+                yield from _of_block(
+                    blob[1] if 1 in blob else zlib.decompressobj().decompress(blob[3], _BLOCK)
+                )
 
 
 def _of_block(block: bytes) -> Iterator[int | _Relation]:
@@ -69,7 +76,7 @@ def _of_block(block: bytes) -> Iterator[int | _Relation]:
     texts = [bytes(text) for _, text in _fields(dict(_fields(block))[1])]
     for kind, one in itertools.chain.from_iterable(_fields(group) for _, group in groups):
         if kind == 3:
-            yield next(value for name, value in _fields(one) if name == 1)
+            yield next((value for name, value in _fields(one) if name == 1), 0)
         elif kind == 4:
             yield _relation(dict(_fields(one)), texts)
 
