@@ -31,7 +31,7 @@ AWAITED = "mjforage:awaited"
 """Kind of numba's events: begins and ends with waiting for a process that compiles."""
 PATIENCE_S = 300.0
 """A kernel that another process has not compiled for so long is compiled here as well."""
-_DAY_S = 86_400.0
+DAY_S = 86_400.0
 _held: set[str] = set()  # kernels that this process compiles just now
 _log = logging.getLogger(__name__)
 
@@ -156,7 +156,7 @@ def _files(folder: Path) -> Any:
 def _note_use(path: Path) -> None:
     """Note on a file that it is still read, at most once a day."""
     with suppress(OSError):
-        if time.time() - path.stat().st_mtime > _DAY_S:
+        if time.time() - path.stat().st_mtime > DAY_S:
             path.touch()
 
 
@@ -165,7 +165,7 @@ def _delete_unused(folder: Path) -> None:
     """Delete, once in a process, kernels that have not been read for a long time."""
     for path in folder.glob("*.nbc*"):
         with suppress(OSError):
-            if time.time() - path.stat().st_mtime > KEPT_DAYS * _DAY_S:
+            if time.time() - path.stat().st_mtime > KEPT_DAYS * DAY_S:
                 path.unlink()
 
 

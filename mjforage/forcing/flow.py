@@ -20,12 +20,15 @@ It is solved for the stream function, as the least of drag less work of the forc
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
+from importlib import import_module
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
+from mjforage.base.kept_arrays import kept_array
 from mjforage.base.views import read_only
 from mjforage.forcing.stream_element import EAST, NORTH, TURN, FloatArray, stream_velocity
 from mjforage.forcing.stream_solver import shore_unknowns, still_unknowns, stream_functions
@@ -35,6 +38,11 @@ from mjforage.scenario.scenario import Weather
 FINEST = 3  # elements along a cell
 LAYER = 0.5  # L, width of the layer at quays [cell]; an estimate, half the narrowest corridor
 _MANY = 12_000  # elements; beyond it they are larger
+_LONG = 10_000  # nodes from which on a flow, of a second and more, is kept for other processes
+_SOLVERS = tuple(
+    f"mjforage.forcing.{name}"
+    for name in ("flow", "elimination", "stream_element", "stream_solver")
+)
 _SAMPLES = 5  # per element and axis, where the peak speed is looked for
 
 
@@ -92,7 +100,26 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
         fine -= 1
     spacing_m, layer = graph.pitch_m / fine, LAYER * fine
     water = np.kron(graph.navigable[::-1], np.ones((fine, fine), np.bool_))  # rows from the south
-    patches = np.zeros((water.shape[0] + 1, water.shape[1] + 1, 4, 3))
+    shape = water.shape[0] + 1, water.shape[1] + 1, 4, 3
+    solve = partial(_solved, water, shape, spacing_m, layer, streams, circulation)
+    if len(graph) < _LONG:
+        patches = solve()
+    else:
+        about = water, spacing_m, layer, streams, circulation
+        patches = kept_array(shape, solve, about, map(import_module, _SOLVERS))
+    return Flow(read_only(patches), spacing_m, -0.5 * graph.pitch_m)
+
+
+def _solved(
+    water: NDArray[np.bool_],
+    shape: tuple[int, ...],
+    spacing_m: float,
+    layer: float,
+    streams: bool,
+    circulation: bool,
+) -> FloatArray:
+    """The patches (of `shape`) of elements (row from the south, column) that are water."""
+    patches = np.zeros(shape)
     if streams:
         forces = np.stack((EAST, NORTH), axis=1)
         patches[..., :2] = stream_functions(water, shore_unknowns(water), layer, forces)
@@ -102,7 +129,7 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
     patches *= np.array([spacing_m, 1.0, 1.0, 1.0 / spacing_m])[:, None]
     if circulation:
         patches[..., 2] /= _peak_speed(patches, spacing_m)
-    return Flow(read_only(patches), spacing_m, -0.5 * graph.pitch_m)
+    return patches
 
 
 def flow_in(weather: Weather, graph: NavigationGraph | None, recorded: bool = False) -> Flow:

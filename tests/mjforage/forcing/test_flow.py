@@ -1,11 +1,14 @@
 """Flow on a map: no flow through quays, no divergence, what comes in goes out, closed forms."""
 
 from functools import lru_cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mjforage.forcing import flow as flows
 from mjforage.forcing.flow import Flow, flow_of
 from mjforage.forcing.stream_element import TURN, stream_velocity
 from mjforage.forcing.stream_solver import still_unknowns, stream_functions
@@ -150,3 +153,41 @@ def test_positions_off_the_map_are_still_and_lost_ones_stay_lost() -> None:
     for x, y in ((-1e6, 0.0), (0.0, 1e6), (np.inf, 3.0), (-2.0000001, 9.0)):
         assert velocity(graph, (x, y)) == (0.0, 0.0)
     assert np.isnan(velocity(graph, (np.nan, 3.0))).all()
+
+
+def test_a_flow_that_takes_long_is_kept_for_other_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To the bit; a damaged file, another source or another map is solved anew."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(flows, "_LONG", 10)
+    solved: list[int] = []
+
+    def counted(*given: Any) -> Any:
+        solved.append(1)
+        return stream_functions(*given)
+
+    monkeypatch.setattr(flows, "stream_functions", counted)
+
+    def patches(*rows: str) -> bytes:
+        flow_of.cache_clear()
+        return flow_of(drawn(*rows), True, False).patches.tobytes()
+
+    bay = ("......", "..##..", "......")
+    first = patches(*bay)
+    assert patches(*bay) == first and len(solved) == 1
+    (kept,) = (tmp_path / "mjforage" / "arrays").iterdir()
+    for damaged in (b"", kept.read_bytes()[:300], b"\x93NUMPY junk"):
+        kept.write_bytes(damaged)
+        assert patches(*bay) == first
+    assert len(solved) == 4
+    assert patches(*bay[:2], "#.....") != first and len(solved) == 5
+    with monkeypatch.context() as patch:
+        patch.setattr("mjforage.base.kept_arrays.getsource", lambda module: "another")
+        assert patches(*bay) == first and len(solved) == 6
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(kept))  # no folder: nothing can be written
+    assert patches(*bay) == first and len(solved) == 7
+    monkeypatch.setattr(flows, "_LONG", 1000)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert patches(*bay) == first and len(solved) == 8
+    flow_of.cache_clear()

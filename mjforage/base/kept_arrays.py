@@ -1,0 +1,66 @@
+"""Arrays that take long to compute, kept beside the compiled kernels for other processes."""
+
+import hashlib
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from inspect import getsource
+from pathlib import Path
+from types import ModuleType
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.atomic_files import atomic_write
+from mjforage.base.errors import UserError
+from mjforage.base.kernel_cache import DAY_S, KEPT_DAYS, kernel_folder
+
+FloatArray = NDArray[np.float64]
+
+
+def kept_array(
+    shape: tuple[int, ...],
+    compute: Callable[[], FloatArray],
+    inputs: Iterable[object],
+    modules: Iterable[ModuleType],
+) -> FloatArray:
+    """What `compute` gives, or what it gave to another process.
+
+    Another source of a module, NumPy or numba is another array. A file that is damaged, or cannot
+    be written, only costs the time; one that nobody has read for long is deleted.
+
+    Parameters
+    ----------
+    shape : of the array
+    inputs : all that it is computed from; arrays, or what has a text
+    modules : that compute it
+    """
+    folder = kernel_folder()
+    if folder is None:
+        return compute()
+    digest = hashlib.sha256(f"{np.__version__} {numba.__version__} {shape}".encode())
+    for one in inputs:
+        digest.update(one.tobytes() if isinstance(one, np.ndarray) else repr(one).encode())
+    for module in modules:
+        digest.update(getsource(module).encode())
+    path = folder / "arrays" / f"{digest.hexdigest()}.npy"
+    with suppress(OSError, ValueError, EOFError):
+        found = np.load(path, allow_pickle=False)
+        if found.shape == shape and found.dtype == np.float64 and np.isfinite(found).all():
+            path.touch()
+            return np.asarray(found)
+    found = compute()
+    with suppress(OSError, UserError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as beside, beside.open("wb") as file:
+            np.save(file, found, allow_pickle=False)
+        _delete_unused(path.parent)
+    return found
+
+
+def _delete_unused(folder: Path) -> None:
+    for path in folder.glob("*.npy"):
+        with suppress(OSError):
+            if time.time() - path.stat().st_mtime > KEPT_DAYS * DAY_S:
+                path.unlink()
