@@ -171,6 +171,9 @@ def test_the_same_step_begins_anew() -> None:
     assert info["_final_obs"].tolist() == [False, True, False] == info["_final_info"].tolist()
     assert info["final_obs"][1, 15] == 0.0 and seen[1, 15] == 1.0
     assert info["final_info"]["reward/time"].tolist() == pytest.approx([0.0, -0.1, 0.0])
+    assert info["_reward/time"].tolist() == [True, False, True] and info["_reached"].all()
+    far = info["final_info"]["distance_m"]
+    assert torch.equal(far > 0.0, info["_final_info"]) and far[1] != info["distance_m"][1]
     _, reward, *_, info = env.step(np.ones((3, 2)))
     assert (reward != 0.0).all() and not info["_final_obs"].any()
     fresh = batch(1)
@@ -271,3 +274,26 @@ def test_simulated_threads_step_as_this_processor_does() -> None:
         assert done.returncode == 0, done.stderr[-2000:]
         found.append(done.stdout.splitlines()[-1])
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_info_is_laid_out_as_that_of_single_environments(mode: str) -> None:
+    """Keys and masks of the step that ends an episode, and of the next; `final_obs` but for."""
+    many, ones = batch(2, mode), gymnasium.make_vec(ID, 2, autoreset_mode=mode)
+    assert isinstance(ones, SyncVectorEnv)
+    infos: list[list[dict[str, Any]]] = [[], []]
+    many.reset(seed=np.int64(SEED))
+    ones.reset(seed=SEED)
+    assert many.np_random_seed == SEED
+    many._batch.tracks.steps[1] = ones.envs[1].unwrapped._steps = HORIZON - 1  # type: ignore[attr-defined]
+    for _ in range(2):
+        for env, found in zip((many, ones), infos, strict=True):
+            found.append(env.step(np.zeros((2, 2), np.float32))[4])
+    for found, known in zip(*infos, strict=True):
+        parts = [(found, known)]
+        if "final_info" in known:
+            parts += [(found["final_info"], known["final_info"])]
+        for own, other in parts:
+            assert own.keys() >= other.keys()
+            for name in [name for name in other if name.startswith("_")]:
+                assert own[name].tolist() == other[name].tolist(), name
