@@ -366,6 +366,5 @@ def _tracks(envs: int) -> Tracks:
 
 def _outcome(envs: int) -> Outcome:
     numbers = [np.zeros((envs, *more), np.float32) for more in ((SCALES.size,), (len(TERMS),), ())]
-    flags = [np.zeros(envs, np.bool_) for _ in range(3)]
-    facts: tuple[Int64Array, FloatArray] = np.zeros(envs, np.int64), np.zeros(envs)
-    return Outcome(*numbers, *flags, *facts)
+    rest = [np.zeros(envs, kind) for kind in (*(np.bool_,) * 3, np.int64, np.float64)]
+    return Outcome(*numbers, *rest)

@@ -103,6 +103,19 @@ def test_an_environment_is_the_same_in_any_batch() -> None:
     assert torch.equal(again[:1], other)
 
 
+def test_an_episode_begins_as_the_first_time() -> None:
+    """Nothing of the episode before is left: not its way, its clock, its thrust or its marks."""
+    env, played = batch(2), []
+    for _ in range(2):
+        found = [env.reset(seed=SEED)[0]]
+        for _ in range(3):
+            observation, reward, *_, info = env.step(np.full((2, 2), (1.0, -1.0)))
+            found += [observation, reward, info["distance_m"]]
+        played.append(found)
+        env._batch.tracks.reached[:] = 3
+    assert all(map(torch.equal, *played))
+
+
 @pytest.fixture(scope="module")
 def wide() -> Iterator[WaypointVectorEnv]:
     spread: dict[str, Any] = {"mass_spread": 0.2, "drag_spread": 0.4, "thrust_spread": 0.3}
@@ -176,6 +189,7 @@ def test_the_same_step_begins_anew() -> None:
     assert torch.equal(far > 0.0, info["_final_info"]) and far[1] != info["distance_m"][1]
     _, reward, *_, info = env.step(np.ones((3, 2)))
     assert (reward != 0.0).all() and not info["_final_obs"].any()
+    assert env._batch.tracks.steps.tolist() == [2, 1, 2]
     fresh = batch(1)
     fresh.reset(seed=SEED + 1)
     then, _ = fresh.reset()
