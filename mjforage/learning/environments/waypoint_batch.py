@@ -89,6 +89,8 @@ class Outcome(NamedTuple):
     terminated: BoolArray
     truncated: BoolArray
     over: BoolArray  # has ended and not begun anew
+    reached: Int64Array  # before it begins anew, as `distance`
+    distance: FloatArray
 
 
 class Water(NamedTuple):
@@ -205,6 +207,7 @@ def _judge(weights: FloatArray, again: BoolArray, tracks: Tracks, outcome: Outco
     for e in range(again.size):
         tracks.steps[e] += 1
         outcome.terms[e, 2] = 1.0
+        outcome.reached[e], outcome.distance[e] = tracks.reached[e], tracks.distance[e]
         done = tracks.reached[e] == WAYPOINTS
         late = tracks.steps[e] >= HORIZON and not done
         outcome.terminated[e], outcome.truncated[e] = done and not again[e], late and not again[e]
@@ -363,4 +366,5 @@ def _tracks(envs: int) -> Tracks:
 
 def _outcome(envs: int) -> Outcome:
     numbers = [np.zeros((envs, *more), np.float32) for more in ((SCALES.size,), (len(TERMS),), ())]
-    return Outcome(*numbers, *[np.zeros(envs, np.bool_) for _ in range(3)])
+    rest = [np.zeros(envs, kind) for kind in (*(np.bool_,) * 3, np.int64, np.float64)]
+    return Outcome(*numbers, *rest)

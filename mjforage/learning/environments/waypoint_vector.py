@@ -1,6 +1,7 @@
 """`mjforage/Waypoint-v0` in batches: on a device with tensors of torch, or one by one."""
 
 import reprlib
+from numbers import Integral
 from typing import Any, ClassVar, Unpack
 
 import gymnasium
@@ -97,6 +98,7 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         self._terms = [(f"reward/{name}", k) for k, name in enumerate(TERMS)]
         self._parts, self._over = tensor(outcome.terms), tensor(outcome.over)
         self._facts = {"reached": tensor(tracks.reached), "distance_m": tensor(tracks.distance)}
+        self._final = {"reached": tensor(outcome.reached), "distance_m": tensor(outcome.distance)}
         self._seeds: list[int | None] = [None] * num_envs
         self._started = False
         self.single_observation_space, self.single_action_space = (
@@ -121,7 +123,7 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         given = checked_options(options, ("reset_mask",))
         seeds = env_seeds(seed, self.num_envs)
         envs = chosen_envs(on_host(given.get("reset_mask")), self.num_envs, self._started)
-        super().reset(seed=seeds[0] if isinstance(seed, int) else None)
+        super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
         batch, arrays = self._batch, self._batch.hulls.arrays
         tracks = batch.tracks
         arrays.fetch(tracks.episode)
@@ -152,16 +154,18 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         """
         checked_started(self._started, "step")
         self._actions.copy_(self._checked(actions))
-        again = self._over.clone() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
+        again = self._over.clone()
         self._batch.step()
         ends = tuple(each.clone() for each in self._ends)
         over, info = ends[0] | ends[1], {}
         terms = {name: self._parts[:, k] for name, k in self._terms}
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
             info = {"final_obs": self._last.clone(), "_final_obs": over}
-            info["final_info"], info["_final_info"] = self._told(terms, over), over
-        info |= self._told(self._facts, over | ~over)
-        info |= self._told(terms, over | ~over if again is None else ~again)
+            info["final_info"], info["_final_info"] = self._told(self._final | terms, over), over
+            again = over
+        elif self.autoreset_mode is AutoresetMode.DISABLED:
+            again = over & ~over
+        info |= self._told(self._facts, over | ~over) | self._told(terms, ~again)
         return self._observation.clone(), self._reward.clone(), *ends, info
 
     @property

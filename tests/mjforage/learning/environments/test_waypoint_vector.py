@@ -103,6 +103,19 @@ def test_an_environment_is_the_same_in_any_batch() -> None:
     assert torch.equal(again[:1], other)
 
 
+def test_an_episode_begins_as_the_first_time() -> None:
+    """Nothing of the episode before is left: not its way, its clock, its thrust or its marks."""
+    env, played = batch(2), []
+    for _ in range(2):
+        found = [env.reset(seed=SEED)[0]]
+        for _ in range(3):
+            observation, reward, *_, info = env.step(np.full((2, 2), (1.0, -1.0)))
+            found += [observation, reward, info["distance_m"]]
+        played.append(found)
+        env._batch.tracks.reached[:] = 3
+    assert all(map(torch.equal, *played))
+
+
 @pytest.fixture(scope="module")
 def wide() -> Iterator[WaypointVectorEnv]:
     spread: dict[str, Any] = {"mass_spread": 0.2, "drag_spread": 0.4, "thrust_spread": 0.3}
@@ -171,8 +184,12 @@ def test_the_same_step_begins_anew() -> None:
     assert info["_final_obs"].tolist() == [False, True, False] == info["_final_info"].tolist()
     assert info["final_obs"][1, 15] == 0.0 and seen[1, 15] == 1.0
     assert info["final_info"]["reward/time"].tolist() == pytest.approx([0.0, -0.1, 0.0])
+    assert info["_reward/time"].tolist() == [True, False, True] and info["_reached"].all()
+    far = info["final_info"]["distance_m"]
+    assert torch.equal(far > 0.0, info["_final_info"]) and far[1] != info["distance_m"][1]
     _, reward, *_, info = env.step(np.ones((3, 2)))
     assert (reward != 0.0).all() and not info["_final_obs"].any()
+    assert env._batch.tracks.steps.tolist() == [2, 1, 2]
     fresh = batch(1)
     fresh.reset(seed=SEED + 1)
     then, _ = fresh.reset()
@@ -271,3 +288,26 @@ def test_simulated_threads_step_as_this_processor_does() -> None:
         assert done.returncode == 0, done.stderr[-2000:]
         found.append(done.stdout.splitlines()[-1])
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_info_is_laid_out_as_that_of_single_environments(mode: str) -> None:
+    """Keys and masks of the step that ends an episode, and of the next; `final_obs` but for."""
+    many, ones = batch(2, mode), gymnasium.make_vec(ID, 2, autoreset_mode=mode)
+    assert isinstance(ones, SyncVectorEnv)
+    infos: list[list[dict[str, Any]]] = [[], []]
+    many.reset(seed=np.int64(SEED))
+    ones.reset(seed=SEED)
+    assert many.np_random_seed == SEED
+    many._batch.tracks.steps[1] = ones.envs[1].unwrapped._steps = HORIZON - 1  # type: ignore[attr-defined]
+    for _ in range(2):
+        for env, found in zip((many, ones), infos, strict=True):
+            found.append(env.step(np.zeros((2, 2), np.float32))[4])
+    for found, known in zip(*infos, strict=True):
+        parts = [(found, known)]
+        if "final_info" in known:
+            parts += [(found["final_info"], known["final_info"])]
+        for own, other in parts:
+            assert own.keys() >= other.keys()
+            for name in [name for name in other if name.startswith("_")]:
+                assert own[name].tolist() == other[name].tolist(), name
