@@ -53,7 +53,7 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
     """A batch of `Waypoint-v0` whose vessels, rewards and observations are on a device.
 
     Actions, observations, rewards and ends are tensors of torch there, and so are all entries of
-    `info`, each beside its mask; nothing of a step goes to the host. Hulls move in MuJoCo Warp, in
+    `info`, each beside its mask; nothing of a step goes to the host but whether actions are finite. Hulls move in MuJoCo Warp, in
     float32; episodes have the law of `WaypointEnv` and draws of their own. They are those of an
     environment's seed and the number of its episode, whatever the size of the batch.
     """

@@ -116,6 +116,15 @@ def test_an_episode_begins_as_the_first_time() -> None:
     assert all(map(torch.equal, *played))
 
 
+def test_actions_beyond_full_thrust_are_full_thrust() -> None:
+    found = []
+    for actions in ((1.0, -1.0), (7.0, -3.0)):
+        env = batch(1)
+        env.reset(seed=SEED)
+        found.append(env.step(np.array([actions]))[:2])
+    assert all(map(torch.equal, *found))
+
+
 @pytest.fixture(scope="module")
 def wide() -> Iterator[WaypointVectorEnv]:
     spread: dict[str, Any] = {"mass_spread": 0.2, "drag_spread": 0.4, "thrust_spread": 0.3}
