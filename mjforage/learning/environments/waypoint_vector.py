@@ -53,9 +53,10 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
     """A batch of `Waypoint-v0` whose vessels, rewards and observations are on a device.
 
     Actions, observations, rewards and ends are tensors of torch there, and so are all entries of
-    `info`, each beside its mask; nothing of a step goes to the host but whether actions are finite. Hulls move in MuJoCo Warp, in
-    float32; episodes have the law of `WaypointEnv` and draws of their own. They are those of an
-    environment's seed and the number of its episode, whatever the size of the batch.
+    `info`, each beside its mask; nothing of a step goes to the host but whether its actions are
+    finite. Hulls move in MuJoCo Warp, in float32; episodes have the law of `WaypointEnv` and draws
+    of their own. They are those of an environment's seed and the number of its episode, whatever
+    the size of the batch.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES[:0], "render_fps": 2}  # type: ignore[misc]
@@ -126,6 +127,7 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
         batch, arrays = self._batch, self._batch.hulls.arrays
         tracks = batch.tracks
+        self.wait()  # copies are in CUDA's own stream, beside those that torch may have chosen
         arrays.fetch(tracks.episode)
         for i in envs:
             if seeds[i] is None and not self._started:
@@ -136,6 +138,7 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         batch.chosen[envs] = True
         for array in (tracks.seed, tracks.episode, batch.chosen):
             arrays.send(array)
+        self.wait()
         batch.begin()
         self._started = True
         return self._observation.clone(), self._told(

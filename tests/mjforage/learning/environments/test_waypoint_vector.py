@@ -116,6 +116,17 @@ def test_an_episode_begins_as_the_first_time() -> None:
     assert all(map(torch.equal, *played))
 
 
+def test_a_reset_copies_while_the_device_is_at_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Or else an episode of a stream of torch's own could be read too early, or begin too early."""
+    env, calls = batch(1), []
+    arrays = env.hulls.arrays
+    for part, name in ((env.hulls, "wait"), (arrays, "fetch"), (arrays, "send")):
+        monkeypatch.setattr(part, name, lambda *_, name=name: calls.append(name))
+    monkeypatch.setattr(env._batch, "begin", lambda: calls.append("begin"))
+    env.reset(seed=0)
+    assert calls == ["wait", "fetch", "send", "send", "send", "wait", "begin"]
+
+
 def test_actions_beyond_full_thrust_are_full_thrust() -> None:
     found = []
     for actions in ((1.0, -1.0), (7.0, -3.0)):
