@@ -16,7 +16,7 @@ import mjforage
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.forcing import Forcing
-from mjforage.learning.environments.waypoint import HORIZON, WaypointEnv
+from mjforage.learning.environments.waypoint import HORIZON, WAYPOINTS, WaypointEnv
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
 from mjforage.physics.scaled_vessels import deviations
 from mjforage.scenario.scenario import Spread, Weather
@@ -184,6 +184,16 @@ def near_the_end(mode: str) -> tuple[WaypointVectorEnv, Any, dict[str, Any]]:
     seen, _, ended, late, info = env.step(np.zeros((3, 2)))
     assert late.tolist() == [False, True, False] and not ended.any()
     return env, seen, info
+
+
+def test_all_waypoints_in_the_last_step_are_an_end_and_no_cut() -> None:
+    env = batch(1)
+    env.reset(seed=SEED)
+    env._batch.tracks.steps[0], env._batch.tracks.reached[0] = HORIZON - 1, WAYPOINTS
+    _, _, ended, late, _ = env.step(np.zeros((1, 2)))
+    assert ended.all() and not late.any()
+    env.step(np.zeros((1, 2)))
+    assert env._batch.tracks.episode.tolist() == [2]
 
 
 def test_the_next_step_begins_anew() -> None:
