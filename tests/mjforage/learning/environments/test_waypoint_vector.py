@@ -127,6 +127,20 @@ def test_a_reset_copies_while_the_device_is_at_rest(monkeypatch: pytest.MonkeyPa
     assert calls == ["wait", "fetch", "send", "send", "send", "wait", "begin"]
 
 
+def test_unstable_motion_is_one_line_and_a_reset_begins_anew() -> None:
+    env, fresh = batch(2), batch(2)
+    fresh.reset(seed=SEED)
+    env.reset(seed=SEED)
+    env._batch.hulls.velocities[1] = np.inf
+    env.step(np.ones((2, 2)))
+    with pytest.raises(UserError, match=r"^vessel of environment 1: its motion is unstable; take"):
+        env.step(np.ones((2, 2)))
+    env.reset(seed=[None, SEED + 1], options={"reset_mask": np.array([False, True])})
+    seen, *_ = env.step(np.ones((2, 2)))
+    known, *_ = fresh.step(np.ones((2, 2)))
+    assert torch.equal(seen[1], known[1]) and torch.isfinite(seen).all()
+
+
 def test_actions_beyond_full_thrust_are_full_thrust() -> None:
     found = []
     for actions in ((1.0, -1.0), (7.0, -3.0)):
@@ -172,6 +186,7 @@ def test_waypoints_lie_one_to_three_nodes_apart_all_around(wide: WaypointVectorE
     assert 4.0 <= length.min() < 4.1 and 11.9 < length.max() <= 12.0
     assert abs(length.mean() - 8.0) < 0.15
     assert abs(np.exp(1j * bearing).mean()) < 0.05
+    assert abs((length * np.exp(1j * bearing)).mean()) < 0.5  # one does not tell the other
     assert abs(np.exp(1j * wide._batch.tracks.pose[:, 0, 2]).mean()) < 0.15
     assert len(np.unique(way)) == way.size
 
@@ -180,7 +195,7 @@ def near_the_end(mode: str) -> tuple[WaypointVectorEnv, Any, dict[str, Any]]:
     """A batch of which the second is in its last step, and what it shows."""
     env = batch(3, mode)
     env.reset(seed=SEED)
-    env._batch.tracks.steps[1] = HORIZON - 1
+    env._batch.tracks.steps[1], env._batch.tracks.reached[1] = HORIZON - 1, 3
     seen, _, ended, late, info = env.step(np.zeros((3, 2)))
     assert late.tolist() == [False, True, False] and not ended.any()
     return env, seen, info
@@ -215,6 +230,7 @@ def test_the_same_step_begins_anew() -> None:
     assert info["final_obs"][1, 15] == 0.0 and seen[1, 15] == 1.0
     assert info["final_info"]["reward/time"].tolist() == pytest.approx([0.0, -0.1, 0.0])
     assert info["_reward/time"].tolist() == [True, False, True] and info["_reached"].all()
+    assert info["final_info"]["reached"].tolist() == [0, 3, 0]
     far = info["final_info"]["distance_m"]
     assert torch.equal(far > 0.0, info["_final_info"]) and far[1] != info["distance_m"][1]
     _, reward, *_, info = env.step(np.ones((3, 2)))
