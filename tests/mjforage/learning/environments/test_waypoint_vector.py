@@ -64,6 +64,7 @@ def test_a_batch_does_what_single_environments_do(vessel: str) -> None:
     ones = [WaypointEnv(**options) for _ in range(2)]
     for i, one in enumerate(ones):
         one.reset(seed=i)
+        assert one.track.simulation.spread[0, 0].astype(bool).tolist() == [True, False, True]
     yaw = ones[0].track.pose[2]
     ones[0].track.waypoints = CLOSE * np.arange(1.0, 9.0)[:, None] * (np.cos(yaw), np.sin(yaw))
     many = batch(2, **options)
