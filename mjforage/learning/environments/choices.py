@@ -43,7 +43,7 @@ def check_known(arguments: Mapping[str, object], known: Sequence[str]) -> None:
         if name in BATCHES:
             raise UnknownArgumentError(
                 f"{name} = {value!r}: is of batches, not of one environment; leave it out, or give "
-                'it to make_vec("mjforage/Foraging-v0", ...) without vectorization_mode'
+                "it to make_vec(...) without vectorization_mode, of an environment with batches"
             )
         if name not in known:
             raise UnknownArgumentError(
@@ -60,7 +60,7 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
 
     Raises `UserError` if one of them is of another type, or the scenario is not a valid one.
     """
-    given, place, depth_m = list(_given(overrides)), None, None
+    given, place, depth_m = list(override_texts(overrides)), None, None
     if isinstance(scenario, Setup):
         if grid is None and not given:
             return scenario
@@ -88,13 +88,13 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
     return open_setup(changed, cells, place=place, depth_m=depth_m)
 
 
-def _given(overrides: object) -> Iterator[str]:
-    """KEY=VALUE of each override."""
+def override_texts(overrides: object) -> Iterator[str]:
+    """KEY=VALUE of each override; raises `UserError` if it is neither a mapping nor a list."""
     remedy = 'a mapping such as {"horizon": 20}, or a list such as ["horizon=20"]'
     if isinstance(overrides, Mapping):
         for key, value in overrides.items():
             if isinstance(value, Mapping):
-                yield from _given({f"{key}.{inner}": one for inner, one in value.items()})
+                yield from override_texts({f"{key}.{inner}": one for inner, one in value.items()})
             else:
                 yield f"{key}={_written(f'set[{key!r}]', value)}"
     elif isinstance(overrides, Sequence) and not isinstance(overrides, str):

@@ -7,7 +7,7 @@ import numpy as np
 
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
-from mjforage.learning.environments.choices import Overrides
+from mjforage.learning.environments.choices import Overrides, override_texts
 from mjforage.scenario.scenario import Device
 
 TORCH_NAMES = {"cpu": "cpu", "warp-cpu": "cpu", "cuda": "cuda"}
@@ -46,8 +46,6 @@ def on_host(value: Any) -> Any:
     return value.detach().cpu().numpy() if hasattr(value, "detach") else value
 
 
-def with_device(overrides: Overrides, device: str) -> Overrides:
-    """Overrides of a scenario, with the engine of its hulls."""
-    if isinstance(overrides, Mapping):
-        return {**overrides, "physics.device": device}
-    return [*overrides, f"physics.device={device}"]
+def with_device(overrides: Overrides, device: str) -> list[str]:
+    """Overrides of a scenario, with the engine of its hulls; raises as `override_texts`."""
+    return [*override_texts(overrides), f"physics.device={device}"]

@@ -86,7 +86,9 @@ class WaypointOptions:
         check_mode(self.render_mode)
         weights = checked_names(REWARD if self.reward is None else self.reward, REWARD)
         hull = load_vessel(str(self.vessel))
-        for line in vessel_warnings(hull, self.wind_mps, TICK_S, STEP_REMEDY):
+        for line in vessel_warnings(
+            hull, self.wind_mps * (1.0 + self.wind_spread), TICK_S, STEP_REMEDY
+        ):
             warn_once(f"vessel {hull.name}: {line}")
         made = {"weather": weather, "spread": spread, "hull": hull, "weights": weights}
         for name, value in made.items():

@@ -53,9 +53,10 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
     """A batch of `Waypoint-v0` whose vessels, rewards and observations are on a device.
 
     Actions, observations, rewards and ends are tensors of torch there, and so are all entries of
-    `info`, each beside its mask; nothing of a step goes to the host. Hulls move in MuJoCo Warp, in
-    float32; episodes have the law of `WaypointEnv` and draws of their own. They are those of an
-    environment's seed and the number of its episode, whatever the size of the batch.
+    `info`, each beside its mask; nothing of a step goes to the host but whether all is
+    finite. Hulls move in MuJoCo Warp, in float32; episodes have the law of `WaypointEnv` and draws
+    of their own. They are those of an environment's seed and the number of its episode, whatever
+    the size of the batch.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES[:0], "render_fps": 2}  # type: ignore[misc]
@@ -126,6 +127,7 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
         batch, arrays = self._batch, self._batch.hulls.arrays
         tracks = batch.tracks
+        self.wait()  # copies are in CUDA's own stream, beside those that torch may have chosen
         arrays.fetch(tracks.episode)
         for i in envs:
             if seeds[i] is None and not self._started:
@@ -136,17 +138,18 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         batch.chosen[envs] = True
         for array in (tracks.seed, tracks.episode, batch.chosen):
             arrays.send(array)
+        self.wait()
         batch.begin()
-        self._started = True
-        return self._observation.clone(), self._told(
-            self._facts, arrays.tensor(batch.chosen).clone()
-        )
+        self._started, started = True, arrays.tensor(batch.chosen).clone()
+        self._reward.masked_fill_(started, 0.0)
+        return self._observation.clone(), self._told(self._facts, started)
 
     def step(self, actions: Any) -> tuple[Tensor, Tensor, Tensor, Tensor, dict[str, Any]]:
         """Half a second of constant commands in all environments.
 
         Returns: observations (env, 16), rewards (env,), terminated and truncated (env,), `info`.
-        Raises `UserError` if an action is not finite, or there was no reset.
+        Raises `UserError` if an action is not finite, there was no reset, or the step before has
+        left a vessel in unstable motion.
 
         Parameters
         ----------
@@ -188,11 +191,17 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         if given.shape != self._actions.shape:
             shapes = f"{tuple(given.shape)}, expected {tuple(self._actions.shape)}"
             raise UserError(f"actions: have shape {shapes}; {remedy}")
-        if not bool(torch.isfinite(given).all()):
-            env = int((~torch.isfinite(given)).any(dim=1).nonzero()[0])
-            words = reprlib.repr(given[env].tolist())
-            raise UserError(f"actions[{env}] = {words}: {remedy}")
-        return given
+        stable = torch.isfinite(self._reward)
+        if bool(torch.isfinite(given).all() & stable.all()):
+            return given
+        if not stable.all():
+            raise UserError(
+                f"vessel of environment {int((~stable).nonzero()[0])}: its motion is unstable; "
+                "take less wind or current, or check the vessel's parameters; reset begins anew"
+            )
+        env = int((~torch.isfinite(given)).any(dim=1).nonzero()[0])
+        words = reprlib.repr(given[env].tolist())
+        raise UserError(f"actions[{env}] = {words}: {remedy}")
 
     def _told(self, facts: dict[str, Tensor], valid: Tensor) -> dict[str, Tensor]:
         """Facts (env,) beside their masks, 0 where False."""

@@ -60,6 +60,8 @@ def test_wind_that_a_vessel_does_not_feel_is_told(tmp_path: Path) -> None:
     scouts, wind = f"physics.vessels.scouts={bare}", "weather.wind_speed_mps=12"
     line = "vessel scout_ of scouts: has no [windage] and does not feel the wind of up to 12 m/s"
     assert told(PHYSICS, scouts, wind) == [line]
+    drawn = "weather.wind_speed_mps=8", "weather.wind_spread=0.5"
+    assert told(PHYSICS, scouts, *drawn) == [line]
     assert told(("graph", "hulls", "physics"), scouts, wind) == [line]
     assert told(("graph",), scouts, wind) == []
     calm = "weather.drift_node_per_step=0"

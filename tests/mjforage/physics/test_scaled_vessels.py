@@ -106,13 +106,14 @@ def test_vessels_in_mujoco_are_scaled_and_their_controllers_do_not_know(
 def test_a_deviation_moves_a_vessel_as_one_of_such_a_scale(
     part: str, integrator: Integrator
 ) -> None:
-    """The Otter turns and is stopped in wind; its propellers' thrust is scaled at any speed."""
-    otter, poses = load_vessel("otter"), []
+    """An Otter that feels wind and items turns and is stopped, laden: items keep their numbers."""
+    forager, poses = load_vessel("forager"), []
+    otter = replace(load_vessel("otter"), windage=forager.windage, load=forager.load)
     for factor, deviation in ((0.8, 0.0), (1.0, -0.2), (1.0, 0.0)):
         vessel = scaled(otter, replace(Scale(), **{part: factor}))
         simulation = Simulation(build_scene([vessel]), integrator=integrator)
         simulation.spread[..., ("mass", "drag", "thrust").index(part)] = deviation
-        simulation.vessel_wind[:] = 4.0, 2.0
+        simulation.vessel_wind[:], simulation.load[:] = (4.0, 2.0), 6.0
         for command in ((80.0, 30.0), (-40.0, 20.0)):
             simulation.commands[:] = command
             simulation.step(round(8.0 / simulation.step_s))

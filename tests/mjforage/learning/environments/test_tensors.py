@@ -81,6 +81,7 @@ def test_hulls_move_in_warp() -> None:
             "^device warp-cpu: the graph world has no hulls",
         ),
         ({"device": "cuda"}, "^device cuda: there is none here"),
+        ({"device": "cpu", "set": "horizon=3"}, "^set = 'horizon=3': is str; give a mapping"),
     ],
 )
 def test_what_cannot_be_is_one_line(options: dict[str, Any], words: str) -> None:

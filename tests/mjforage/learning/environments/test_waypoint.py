@@ -71,7 +71,7 @@ def test_what_a_hull_does_not_feel_and_that_it_hunts_is_told_once(
     with caplog.at_level(logging.WARNING):
         for _ in range(2):
             for hull in (bare, light, stiff, "scout"):
-                gymnasium.make("mjforage/Waypoint-v0", vessel=hull, wind_mps=12)
+                gymnasium.make("mjforage/Waypoint-v0", vessel=hull, wind_mps=8, wind_spread=0.5)
         gymnasium.make("mjforage/Waypoint-v0", vessel=bare, wind_mps=0)
     warnings = [line for line in caplog.messages if line.startswith("vessel ")]
     windless, hunting, steep = warnings

@@ -16,7 +16,7 @@ import mjforage
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.forcing import Forcing
-from mjforage.learning.environments.waypoint import HORIZON, WaypointEnv
+from mjforage.learning.environments.waypoint import HORIZON, WAYPOINTS, WaypointEnv
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
 from mjforage.physics.scaled_vessels import deviations
 from mjforage.scenario.scenario import Spread, Weather
@@ -64,6 +64,7 @@ def test_a_batch_does_what_single_environments_do(vessel: str) -> None:
     ones = [WaypointEnv(**options) for _ in range(2)]
     for i, one in enumerate(ones):
         one.reset(seed=i)
+        assert one.track.simulation.spread[0, 0].astype(bool).tolist() == [True, False, True]
     yaw = ones[0].track.pose[2]
     ones[0].track.waypoints = CLOSE * np.arange(1.0, 9.0)[:, None] * (np.cos(yaw), np.sin(yaw))
     many = batch(2, **options)
@@ -116,6 +117,40 @@ def test_an_episode_begins_as_the_first_time() -> None:
     assert all(map(torch.equal, *played))
 
 
+def test_a_reset_copies_while_the_device_is_at_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Or else an episode of a stream of torch's own could be read too early, or begin too early."""
+    env, calls = batch(1), []
+    arrays = env.hulls.arrays
+    for part, name in ((env.hulls, "wait"), (arrays, "fetch"), (arrays, "send")):
+        monkeypatch.setattr(part, name, lambda *_, name=name: calls.append(name))
+    monkeypatch.setattr(env._batch, "begin", lambda: calls.append("begin"))
+    env.reset(seed=0)
+    assert calls == ["wait", "fetch", "send", "send", "send", "wait", "begin"]
+
+
+def test_unstable_motion_is_one_line_and_a_reset_begins_anew() -> None:
+    env, fresh = batch(2), batch(2)
+    fresh.reset(seed=SEED)
+    env.reset(seed=SEED)
+    env._batch.hulls.velocities[1] = np.inf
+    env.step(np.ones((2, 2)))
+    with pytest.raises(UserError, match=r"^vessel of environment 1: its motion is unstable; take"):
+        env.step(np.ones((2, 2)))
+    env.reset(seed=[None, SEED + 1], options={"reset_mask": np.array([False, True])})
+    seen, *_ = env.step(np.ones((2, 2)))
+    known, *_ = fresh.step(np.ones((2, 2)))
+    assert torch.equal(seen[1], known[1]) and torch.isfinite(seen).all()
+
+
+def test_actions_beyond_full_thrust_are_full_thrust() -> None:
+    found = []
+    for actions in ((1.0, -1.0), (7.0, -3.0)):
+        env = batch(1)
+        env.reset(seed=SEED)
+        found.append(env.step(np.array([actions]))[:2])
+    assert all(map(torch.equal, *found))
+
+
 @pytest.fixture(scope="module")
 def wide() -> Iterator[WaypointVectorEnv]:
     spread: dict[str, Any] = {"mass_spread": 0.2, "drag_spread": 0.4, "thrust_spread": 0.3}
@@ -152,6 +187,7 @@ def test_waypoints_lie_one_to_three_nodes_apart_all_around(wide: WaypointVectorE
     assert 4.0 <= length.min() < 4.1 and 11.9 < length.max() <= 12.0
     assert abs(length.mean() - 8.0) < 0.15
     assert abs(np.exp(1j * bearing).mean()) < 0.05
+    assert abs((length * np.exp(1j * bearing)).mean()) < 0.5  # one does not tell the other
     assert abs(np.exp(1j * wide._batch.tracks.pose[:, 0, 2]).mean()) < 0.15
     assert len(np.unique(way)) == way.size
 
@@ -160,10 +196,20 @@ def near_the_end(mode: str) -> tuple[WaypointVectorEnv, Any, dict[str, Any]]:
     """A batch of which the second is in its last step, and what it shows."""
     env = batch(3, mode)
     env.reset(seed=SEED)
-    env._batch.tracks.steps[1] = HORIZON - 1
+    env._batch.tracks.steps[1], env._batch.tracks.reached[1] = HORIZON - 1, 3
     seen, _, ended, late, info = env.step(np.zeros((3, 2)))
     assert late.tolist() == [False, True, False] and not ended.any()
     return env, seen, info
+
+
+def test_all_waypoints_in_the_last_step_are_an_end_and_no_cut() -> None:
+    env = batch(1)
+    env.reset(seed=SEED)
+    env._batch.tracks.steps[0], env._batch.tracks.reached[0] = HORIZON - 1, WAYPOINTS
+    _, _, ended, late, _ = env.step(np.zeros((1, 2)))
+    assert ended.all() and not late.any()
+    env.step(np.zeros((1, 2)))
+    assert env._batch.tracks.episode.tolist() == [2]
 
 
 def test_the_next_step_begins_anew() -> None:
@@ -185,6 +231,7 @@ def test_the_same_step_begins_anew() -> None:
     assert info["final_obs"][1, 15] == 0.0 and seen[1, 15] == 1.0
     assert info["final_info"]["reward/time"].tolist() == pytest.approx([0.0, -0.1, 0.0])
     assert info["_reward/time"].tolist() == [True, False, True] and info["_reached"].all()
+    assert info["final_info"]["reached"].tolist() == [0, 3, 0]
     far = info["final_info"]["distance_m"]
     assert torch.equal(far > 0.0, info["_final_info"]) and far[1] != info["distance_m"][1]
     _, reward, *_, info = env.step(np.ones((3, 2)))
