@@ -25,7 +25,7 @@ def kept_array(
     inputs: Iterable[object],
     modules: Iterable[ModuleType],
 ) -> FloatArray:
-    """What `compute` gives, or what it gave to another process.
+    """The array that `compute` gives, or gave to another process.
 
     Another source of a module, NumPy or numba is another array. A file that is damaged, or cannot
     be written, only costs the time; one that nobody has read for long is deleted.

@@ -49,6 +49,8 @@ def bench(
     device
         Only fleets and environments on a device, per second of time: a GPU, or this processor.
     """
+    if decisions and device is not None:
+        raise UserError(f"--device {device}: has no --decisions; leave out one of them")
     if not decisions and device is None:
         require("bench", "torch")  # before minutes of measuring
     from mjforage.base.atomic_files import write_json

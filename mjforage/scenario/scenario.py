@@ -105,12 +105,12 @@ class Weather:
     wind_speed_mps: Annotated[float, Within(0, 30, "m/s")] | None = None
     """Mean wind, in the place of the drift: `drift_node_per_step` then says nothing; absent: the
     wind is the drift's."""
-    wind_spread: Annotated[float, Within(0, 1)] = 0.0
-    """By what share the mean wind of an episode may differ: its speed is uniform in
-    `wind_speed_mps` times 1 +- this."""
     wind_from_deg: Bearing | None = None
     """Direction that the wind comes from, clockwise from true north (0 north, 90 east); absent:
     drawn per episode, uniform over the circle."""
+    wind_spread: Annotated[float, Within(0, 1)] = 0.0
+    """By what share the mean wind of an episode may differ: its speed is uniform in
+    `wind_speed_mps` times 1 +- this."""
     shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
     """Height of obstacles on all land, in whose wind shadow the wind is weaker; 0: no shadow."""
     file: str | None = None
@@ -146,11 +146,11 @@ class Weather:
     """Speed of a constant current in open water. Quays let none of it through and weaken it beside
     them; in a narrows it is faster, in a bay with one mouth it ends near the mouth. Needs water at
     the map's edge, where it comes in and goes out."""
-    current_spread: Annotated[float, Within(0, 1)] = 0.0
-    """By what share the speed of an episode's current may differ, as `wind_spread`."""
     current_to_deg: Bearing | None = None
     """Direction that it flows to, clockwise from true north (0 north, 90 east); absent: drawn per
     episode."""
+    current_spread: Annotated[float, Within(0, 1)] = 0.0
+    """By what share the speed of an episode's current may differ, as `wind_spread`."""
     current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Standard deviation per axis of a slow Gauss-Markov part of that current."""
     circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0

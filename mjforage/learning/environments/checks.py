@@ -99,10 +99,10 @@ def check_mode(mode: object) -> None:
         raise UserError(f"render_mode = {mode!r}: unknown; choose None, {', '.join(RENDER_MODES)}")
 
 
-def check_threads(threads: object) -> None:
-    """Refuse a number of threads that is none. Raises `UserError` if so."""
-    if not isinstance(threads, Integral) or isinstance(threads, bool) or threads < 1:
-        raise UserError(f"threads = {threads!r}: give a whole number from 1 on")
+def check_count(number: object, name: str) -> None:
+    """Refuse a number, of threads or environments, that is none. Raises `UserError` if so."""
+    if not isinstance(number, Integral) or isinstance(number, bool) or number < 1:
+        raise UserError(f"{name} = {number!r}: give a whole number from 1 on")
 
 
 def checked_started(started: bool, what: str) -> None:
@@ -112,7 +112,7 @@ def checked_started(started: bool, what: str) -> None:
 
 
 def checked_mode(mode: object) -> AutoresetMode:
-    """When environments of a batch begin anew; raises `UserError` if it is no such mode."""
+    """The mode by which environments begin anew; raises `UserError` if it is none."""
     try:
         return AutoresetMode(mode)
     except ValueError as error:

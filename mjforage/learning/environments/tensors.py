@@ -1,4 +1,4 @@
-"""What a batch on a device gives and takes: tensors of torch in the place of arrays of NumPy."""
+"""Tensors of torch in the place of arrays of NumPy, for batches on a device."""
 
 from collections.abc import Mapping
 from typing import Any, get_args

@@ -10,9 +10,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from mjforage.base.errors import UserError
 from mjforage.learning.environments.checks import (
-    check_threads,
+    check_count,
     checked_mode,
     checked_moves,
     checked_options,
@@ -62,9 +61,8 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         device: str | None = None,
         **arguments: Unpack[EnvironmentArguments],
     ) -> None:
-        if num_envs < 1:
-            raise UserError(f"num_envs = {num_envs}: give 1 or more")
-        check_threads(threads)
+        check_count(num_envs, "num_envs")
+        check_count(threads, "threads")
         self._tensors = None
         if device is not None:
             self._tensors = Tensors(device, arguments.get("world", EnvironmentOptions.world))
@@ -111,7 +109,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         return self._given((self._observed(), self._laid_out(self._core.facts(), started)))
 
     def _given(self, result: T) -> T:
-        """What a user is given, on a device as tensors."""
+        """The same for the user, on a device as tensors."""
         return result if self._tensors is None else cast(T, self._tensors.of(result))
 
     def step(

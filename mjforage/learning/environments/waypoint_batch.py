@@ -45,7 +45,7 @@ _SCALES = tuple(SCALES.tolist())
 
 
 class Law(NamedTuple):
-    """What all episodes have in common."""
+    """Numbers that all episodes have in common."""
 
     wind_mps: float
     wind_spread: float
@@ -81,7 +81,7 @@ class Tracks(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What a step brings, (env, ...) each."""
+    """Results of a step, (env, ...) each."""
 
     observation: Float32Array  # (env, 16)
     terms: Float32Array  # (env, term) of the reward, weighted, in the order of `TERMS`

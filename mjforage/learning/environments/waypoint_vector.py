@@ -12,6 +12,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.extras import require
 from mjforage.learning.environments.checks import (
     RENDER_MODES,
+    check_count,
     checked_mode,
     checked_options,
     checked_started,
@@ -37,8 +38,7 @@ def make_waypoint_batch(
 
     `device`: "cuda", "warp-cpu", or None for this processor's MuJoCo and arrays of NumPy.
     """
-    if num_envs < 1:
-        raise UserError(f"num_envs = {num_envs}: give 1 or more")
+    check_count(num_envs, "num_envs")
     mode = checked_mode(autoreset_mode)
     if device is not None:
         return WaypointVectorEnv(num_envs, mode, device, **arguments)
@@ -86,6 +86,7 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
                 f"render_mode = {options.render_mode!r}: batches on a device draw nothing; leave "
                 "it out, or leave out device"
             )
+        check_count(num_envs, "num_envs")
         self.num_envs, self.render_mode = num_envs, None
         self.autoreset_mode = mode = checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": mode}  # type: ignore[misc]
@@ -170,6 +171,9 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
             again = over & ~over
         info |= self._told(self._facts, over | ~over) | self._told(terms, ~again)
         return self._observation.clone(), self._reward.clone(), *ends, info
+
+    def render(self) -> None:
+        """Nothing: a batch on a device draws no pictures."""
 
     @property
     def hulls(self) -> Any:

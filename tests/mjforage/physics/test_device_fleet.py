@@ -25,3 +25,5 @@ def test_without_a_gpu_the_bench_of_fleets_is_refused_in_one_line() -> None:
 
     with pytest.raises(UserError, match=r"^bench --device cuda: there is no GPU"):
         bench(device="cuda")
+    with pytest.raises(UserError, match=r"^--device warp-cpu: has no --decisions"):
+        bench(device="warp-cpu", decisions=True)

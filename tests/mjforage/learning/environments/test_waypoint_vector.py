@@ -301,6 +301,13 @@ def test_bad_actions_are_one_line_and_change_nothing(actions: Any, words: str) -
     assert not env._batch.tracks.steps.any()
 
 
+@pytest.mark.parametrize("count", [0, 2.5, "2", True])
+@pytest.mark.parametrize("name", [ID, "mjforage/Foraging-v0"])
+def test_a_number_of_environments_that_is_none_is_one_line(count: Any, name: str) -> None:
+    with pytest.raises(UserError, match=f"^num_envs = {count!r}: give a whole number from 1 on"):
+        gymnasium.make_vec(name, num_envs=count)
+
+
 def test_without_a_device_a_batch_is_of_single_environments() -> None:
     made = gymnasium.make_vec(ID, 2, autoreset_mode=AutoresetMode.SAME_STEP)
     assert isinstance(made, SyncVectorEnv)
