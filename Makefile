@@ -13,7 +13,7 @@
 # `make evidence`: numbers of the pages made again, hours of them; ONLY="name name" JOBS=2 for some.
 # `make evidence-pages`: their tables drawn from docs/evidence/data.
 # `make mutants`: single faults of a list, each of which a test has to notice; an hour on two cores.
-# `make mutants-tenth`: the same for a tenth of them, another one after each commit.
+# `make mutants-some`: the same for every fifteenth of them, others after each commit.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -26,7 +26,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/networks/test_weights.py
 
-.PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest mutants mutants-tenth evidence evidence-pages dist docs links pages gallery install clean
+.PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest mutants mutants-some evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -140,8 +140,8 @@ lowest: $(VENV)/lowest/.installed
 mutants: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.mutants --jobs 2
 
-mutants-tenth: $(VENV)/.installed-dev
-	$(BIN)/python -m tests.mutants --jobs 2 --tenth $$(git rev-list --count HEAD 2>/dev/null || echo 0)
+mutants-some: $(VENV)/.installed-dev
+	$(BIN)/python -m tests.mutants --jobs 2 --some $$(git rev-list --count HEAD 2>/dev/null || echo 0)
 
 # What was stopped goes on; without ONLY what is of this very code already is left out, and the long
 # blocks of pages that no piece runs come last.

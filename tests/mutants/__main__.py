@@ -33,10 +33,11 @@ _PAGE = """<!-- Written by `python -m tests.mutants --page docs/mutants.md`. -->
 # Mutation tests: single faults, and what notices them
 
 `make mutants` makes each fault alone, in a copy of the repository, and runs its check: a test that
-must fail. Continuous integration does so with a tenth of them, another one after each commit. The
+must fail. Continuous integration does so with every fifteenth of them, others after each commit. The
 faults are data, `tests/mutants/*.toml`. Each names its place by function and text, and a test sees
 to it that this place still exists.
 """
+EVERY = 15
 _HEAD = """
 ## {topic}
 
@@ -111,7 +112,9 @@ def main() -> None:
     parser.add_argument("name", nargs="*", help="mutants to run, all by default")
     parser.add_argument("--page", type=Path, help="file to write the list to; nothing is run")
     parser.add_argument("--jobs", type=int, default=1, help="copies of the repository at work")
-    parser.add_argument("--tenth", type=int, help="every tenth mutant, from this one of the first")
+    parser.add_argument(
+        "--some", type=int, help=f"every {EVERY}th mutant, from this one of the first"
+    )
     words = parser.parse_args()
     known = {mutant.name: mutant for mutant in mutants()}
     if words.page:
@@ -120,8 +123,8 @@ def main() -> None:
     if unknown := sorted(set(words.name) - set(known)):
         sys.exit(f"mutants: {', '.join(unknown)} unknown; docs/mutants.md has their names")
     chosen = [known[name] for name in words.name or known]
-    if words.tenth is not None:
-        chosen = chosen[words.tenth % 10 :: 10]
+    if words.some is not None:
+        chosen = chosen[words.some % EVERY :: EVERY]
     chosen.sort(key=lambda mutant: mutant.check)  # each of them once without a fault
     ends = [len(chosen) * k // words.jobs for k in range(words.jobs + 1)]
     with ThreadPoolExecutor(words.jobs) as pool:
