@@ -33,7 +33,7 @@ _PAGE = """<!-- Written by `python -m tests.mutants --page docs/mutants.md`. -->
 # Mutation tests: single faults, and what notices them
 
 `make mutants` makes each fault alone, in a copy of the repository, and runs its check: a test that
-must fail. Continuous integration does so with every fifteenth of them, others after each commit. The
+must fail. Continuous integration does so with every fifteenth, others after each commit. The
 faults are data, `tests/mutants/*.toml`. Each names its place by function and text, and a test sees
 to it that this place still exists.
 """
