@@ -1,11 +1,9 @@
 """Arrays that take long to compute, kept beside the compiled kernels for other processes."""
 
 import hashlib
-import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from inspect import getsource
-from pathlib import Path
 from types import ModuleType
 
 import numba
@@ -14,7 +12,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
-from mjforage.base.kernel_cache import DAY_S, KEPT_DAYS, kernel_folder
+from mjforage.base.kernel_cache import delete_unused, kernel_folder, note_use
 
 FloatArray = NDArray[np.float64]
 
@@ -42,25 +40,21 @@ def kept_array(
     digest = hashlib.sha256(f"{np.__version__} {numba.__version__} {shape}".encode())
     for one in inputs:
         digest.update(one.tobytes() if isinstance(one, np.ndarray) else repr(one).encode())
-    for module in modules:
-        digest.update(getsource(module).encode())
+    try:
+        for module in modules:
+            digest.update(getsource(module).encode())
+    except OSError:  # without its source
+        return compute()
     path = folder / "arrays" / f"{digest.hexdigest()}.npy"
     with suppress(OSError, ValueError, EOFError):
         found = np.load(path, allow_pickle=False)
         if found.shape == shape and found.dtype == np.float64 and np.isfinite(found).all():
-            path.touch()
+            note_use(path)
             return np.asarray(found)
     found = compute()
     with suppress(OSError, UserError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as beside, beside.open("wb") as file:
             np.save(file, found, allow_pickle=False)
-        _delete_unused(path.parent)
+        delete_unused(path.parent, "*.npy")
     return found
-
-
-def _delete_unused(folder: Path) -> None:
-    for path in folder.glob("*.npy"):
-        with suppress(OSError):
-            if time.time() - path.stat().st_mtime > KEPT_DAYS * DAY_S:
-                path.unlink()

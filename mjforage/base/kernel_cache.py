@@ -31,7 +31,7 @@ AWAITED = "mjforage:awaited"
 """Kind of numba's events: begins and ends with waiting for a process that compiles."""
 PATIENCE_S = 300.0
 """A kernel that another process has not compiled for so long is compiled here as well."""
-DAY_S = 86_400.0
+_DAY_S = 86_400.0
 _held: set[str] = set()  # kernels that this process compiles just now
 _log = logging.getLogger(__name__)
 
@@ -106,7 +106,7 @@ class KernelCache:
             made = _files(folder)._load_data(name)
         except (OSError, EOFError):
             return None
-        _note_use(folder / name)
+        note_use(folder / name)
         return cast(Any, compiler).CompileResult._rebuild(context, *made)
 
     def save_overload(self, signature: Any, made: Any) -> None:
@@ -118,7 +118,7 @@ class KernelCache:
             if folder is None:
                 raise OSError("this user has no home")
             folder.mkdir(parents=True, exist_ok=True)
-            _delete_unused(folder)
+            delete_unused(folder, "*.nbc*")
             name = self._name(signature, made.codegen)
             _files(folder)._save_data(name, made._reduce())
         except OSError as error:
@@ -153,19 +153,19 @@ def _files(folder: Path) -> Any:
     return cast(Any, IndexDataCacheFile)(str(folder), "", None)
 
 
-def _note_use(path: Path) -> None:
+def note_use(path: Path) -> None:
     """Note on a file that it is still read, at most once a day."""
     with suppress(OSError):
-        if time.time() - path.stat().st_mtime > DAY_S:
+        if time.time() - path.stat().st_mtime > _DAY_S:
             path.touch()
 
 
 @cache
-def _delete_unused(folder: Path) -> None:
-    """Delete, once in a process, kernels that have not been read for a long time."""
-    for path in folder.glob("*.nbc*"):
+def delete_unused(folder: Path, pattern: str) -> None:
+    """Delete, once in a process, files that have not been read for a long time."""
+    for path in folder.glob(pattern):
         with suppress(OSError):
-            if time.time() - path.stat().st_mtime > KEPT_DAYS * DAY_S:
+            if time.time() - path.stat().st_mtime > KEPT_DAYS * _DAY_S:
                 path.unlink()
 
 

@@ -45,10 +45,8 @@ class DeviceHulls:
             raise UserError(f"device = {device!r}: unknown; choose warp-cpu, cuda")
         if device == "cuda" and not SIMULATED:
             require_gpu("device cuda")
-        self._worlds, self._warp_name = (
-            worlds,
-            "cuda" if device == "cuda" and not SIMULATED else "cpu",
-        )
+        self._worlds = worlds
+        self._warp_name = "cuda" if device == "cuda" and not SIMULATED else "cpu"
         self.hulls = WarpHulls(scene, worlds, step_s=step_s, device=self._warp_name)
         self.arrays = OnDevice(here=device == "warp-cpu")
         shared = map(self.arrays.shared, self.hulls.live)

@@ -126,8 +126,7 @@ def _begin(chosen: BoolArray, law: Law, tracks: Tracks, water: Water, outcome: O
             x, y = x + reach * math.cos(bearing), y + reach * math.sin(bearing)
             tracks.waypoint[e, k, 0], tracks.waypoint[e, k, 1] = x, y
         yaw = math.pi * (2.0 * uniform(own, 0, 2) - 1.0)
-        about = law.wind_mps, law.wind_spread, math.nan
-        wind = steady_vector(key, Stream.WEATHER, *about)
+        wind = steady_vector(key, Stream.WEATHER, law.wind_mps, law.wind_spread, math.nan)
         current = steady_vector(key, Stream.CURRENT, law.current_mps, law.current_spread, math.nan)
         for axis in range(2):
             tracks.mean_wind[e, axis], tracks.mean_current[e, axis] = wind[axis], current[axis]
@@ -306,20 +305,18 @@ class WaypointBatch:
         at_sea = OPEN_SEA.patches, OPEN_SEA.spacing_m, OPEN_SEA.corner_m
         blown = tracks.mean_wind, tracks.gust_key, *gusts, NO_SHELTER, NO_RECORD
         flowing = tracks.mean_current, tracks.current_key, 0.0, 0.0, *at_sea, NO_RECORD
-        around = (
-            hulls.bind(WIND, *blown, tracks.clock_s, tracks.pose, tracks.wind),
-            hulls.bind(CURRENT, *flowing, tracks.clock_s, tracks.pose, tracks.current),
-        )
+        blow = hulls.bind(WIND, *blown, tracks.clock_s, tracks.pose, tracks.wind)
+        flow = hulls.bind(CURRENT, *flowing, tracks.clock_s, tracks.pose, tracks.current)
         see = hulls.bind(SEE, law, tracks, outcome.observation)
 
         def begin(those: BoolArray) -> tuple[Call, ...]:
-            return hulls.bind(BEGIN, those, law, tracks, water, outcome), *around, see
+            return hulls.bind(BEGIN, those, law, tracks, water, outcome), blow, flow, see
 
         tick = (
             hulls.bind(FEEL, tracks, water),
             hulls.step,
             hulls.bind(READ, law, tracks, water, outcome),
-            *around,
+            blow,
         )
         command = hulls.bind(COMMAND, self.actions, law, water, outcome)
         judge = hulls.bind(JUDGE, given, again, tracks, outcome)

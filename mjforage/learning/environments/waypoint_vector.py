@@ -101,7 +101,6 @@ class WaypointVectorEnv(VectorEnv[Tensor, Tensor, Tensor]):
         self._parts, self._over = tensor(outcome.terms), tensor(outcome.over)
         self._facts = {"reached": tensor(tracks.reached), "distance_m": tensor(tracks.distance)}
         self._final = {"reached": tensor(outcome.reached), "distance_m": tensor(outcome.distance)}
-        self._seeds: list[int | None] = [None] * num_envs
         self._started = False
         self.single_observation_space, self.single_action_space = (
             observation_space(),

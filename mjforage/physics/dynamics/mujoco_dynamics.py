@@ -207,8 +207,7 @@ class MujocoDynamics:
         pose = np.zeros((*initial.agent_node.shape, 3))
         pose[..., :2] = self._berths_xy[initial.agent_node]
         self.place(pose, rows)
-        spread = deviations(self._choice.spread, len(self._fleet), keys)
-        self._simulation.spread[rows] = spread
+        self._simulation.spread[rows] = deviations(self._choice.spread, len(self._fleet), keys)
         if self._bodies:
             classes = draw_classes(keys, initial.item_node, self._classes)
             xy = self._graph.metres(initial.item_rc)
