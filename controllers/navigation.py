@@ -239,6 +239,11 @@ class Navigator:
         self.filters = Filters.of(episodes, vessels, errors.latency)
         self._navigate = BoundKernel(navigate, self.filters, models, state, errors)
 
+    @property
+    def fixed(self) -> tuple[object, ...]:
+        """Arguments of `navigate` that stay."""
+        return self._navigate.fixed
+
     def reset(self, rows: NDArray[Any] | slice) -> None:
         """Forget some episodes (row,)."""
         for each in self.filters:

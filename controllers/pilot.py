@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.device import Launch
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.controllers.chart import OPEN_WATER, Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
 from mjforage.controllers.effectiveness import LAME_LOSS, notice_losses, weaken_fleet
 from mjforage.controllers.estimate import estimate
 from mjforage.controllers.getting_off import note_held
-from mjforage.controllers.navigation import Navigator, SensorErrors
+from mjforage.controllers.navigation import NAVIGATE, Navigator, SensorErrors
 from mjforage.controllers.prediction import NEVER_S, SAMPLES
 from mjforage.controllers.quayside import note_quays
 from mjforage.controllers.safety import limit_speeds
@@ -26,6 +26,7 @@ OPEN_PITCH_M = 4.0  # side of a node where there is no chart
 ROOM = 0.32  # of a node's side: farthest that midships goes from the centre to pick up
 PLAN_S = 0.5  # between two plans of the traffic
 LIMITED_MPS = 0.1  # slower than this at most counts as held back
+BoolArray = NDArray[np.bool_]
 
 
 class FleetArrays(NamedTuple):
@@ -112,8 +113,19 @@ def _giving_way(state: FleetArray, held: NDArray[np.bool_]) -> None:
             held[e, v] = s.mode == TRANSIT and (s.wait > s.clock or most < LIMITED_MPS)
 
 
+@kernel
+def _tell(state: FleetArray, item: FloatArray, following: FloatArray, look: BoolArray) -> None:
+    """Name the items to collect and to be ready for, (episode, vessel, 2), and who looks round."""
+    for e in range(state.shape[0]):
+        for v in range(state.shape[1]):
+            s = state[e, v]
+            s.item_x, s.item_y = item[e, v, 0], item[e, v, 1]
+            s.next_x, s.next_y = following[e, v, 0], following[e, v, 1]
+            s.looks = 1.0 if look[e, v] else 0.0
+
+
 COMMAND = Launch(_command, shared="models land", memory="weak paths met")
-GIVING_WAY = Launch(_giving_way)
+GIVING_WAY, TELL = Launch(_giving_way), Launch(_tell)
 
 
 class Pilot:
@@ -257,11 +269,40 @@ class Pilot:
         )
         return self._commands
 
-    def arguments(
-        self, active: NDArray[np.bool_], pose: FloatArray, velocity: FloatArray
-    ) -> tuple[FleetArrays, float, FloatArray, NDArray[np.bool_], FloatArray, FloatArray]:
-        """Those of the kernel behind `command`, for a `COMMAND` on a GPU."""
-        return self._fleets, self._step_s, self._commands, active, pose, velocity
+    @property
+    def arrays(self) -> tuple[FleetArray, NDArray[np.int64]]:
+        """Its memory, for a device that has it as well."""
+        return self._fleets.state, self._fleets.ticks
+
+    def locating(
+        self, bind: Bind, active: BoolArray, pose: FloatArray, velocity: FloatArray, fix: BoolArray
+    ) -> tuple[tuple[Call, ...], FloatArray, FloatArray]:
+        """`locate` by a kernel on a device: calls, and the poses and velocities that they write."""
+        if self._navigator is None:
+            return (), pose, velocity
+        told, about = self._navigator.filters, self._navigator.fixed
+        return (bind(NAVIGATE, *about, active, pose, velocity, fix),), told.pose, told.velocity
+
+    def commanding(
+        self,
+        bind: Bind,
+        active: BoolArray,
+        pose: FloatArray,
+        velocity: FloatArray,
+        commands: FloatArray,
+    ) -> Call:
+        """`command` by a kernel on a device, which writes `commands` (episode, vessel, 2)."""
+        return bind(COMMAND, self._fleets, self._step_s, commands, active, pose, velocity)
+
+    def telling(
+        self, bind: Bind, item: FloatArray, following: FloatArray, look: BoolArray
+    ) -> Call:
+        """`collect`, `expect` and `look_round` by a kernel on a device."""
+        return bind(TELL, self._fleets.state, item, following, look)
+
+    def yielding(self, bind: Bind, held: BoolArray) -> Call:
+        """`giving_way` by a kernel on a device, which writes `held` (episode, vessel)."""
+        return bind(GIVING_WAY, self._fleets.state, held)
 
     @property
     def lame(self) -> NDArray[np.bool_]:

@@ -182,6 +182,11 @@ class BoundKernel(Generic[T]):
             self._entry = _entries[kinds] = dispatcher.overloads[types].entry_point
         return answer
 
+    @property
+    def fixed(self) -> tuple[object, ...]:
+        """Its first arguments."""
+        return self._fixed
+
     def __deepcopy__(self, memo: dict[int, Any]) -> "BoundKernel[T]":
         """The same kernel on copies."""
         return BoundKernel(self._function, *copy.deepcopy(self._fixed, memo))

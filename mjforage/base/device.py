@@ -24,6 +24,10 @@ from mjforage.base.extras import require
 THREADS = 32  # of a block: few, so that a small batch has blocks for all multiprocessors
 FIRST = np.zeros(1, np.int64)  # index of the one episode that a thread has
 Kind = Any  # "array", "number", or the class of a tuple and the kinds of its parts
+Call = Callable[[Any], None]
+"""A kernel bound to its arguments; it is given a stream of CUDA, 0 for its own."""
+Bind = Callable[..., Call]
+"""Binds a `Launch` to arrays of the host, or to what these are on a device."""
 SIMULATED = os.environ.get("NUMBA_ENABLE_CUDASIM") == "1"  # in Python, see numba's documentation
 _THREAD = """
 def thread(episodes, arguments):
@@ -84,6 +88,11 @@ class OnDevice:
         torch, copy = importlib.import_module("torch"), self.of(array)
         return torch.from_numpy(copy) if self.here or SIMULATED else torch.as_tensor(copy)
 
+    @property
+    def arrays(self) -> list[NDArray[Any]]:
+        """All arrays of the host that have copies."""
+        return [array for array, _ in self._copies.values()]
+
     def send(self, array: NDArray[Any]) -> None:
         """Write what an array of the host holds into its copy."""
         if not self.here:
@@ -123,20 +132,17 @@ class Launch:
             for name, value in zip(names_of(self.kernel), given, strict=True)
         )
 
-    def bound(self, device: OnDevice, episodes: int, *given: object) -> Callable[[Any], None]:
-        """The kernel on these arguments, to be called with a stream of CUDA, 0 for its own.
-
-        On this processor `ids` are the episodes that the mask has now.
-        """
-        arguments = self.arguments(device, episodes, *given)
+    def bound(self, device: OnDevice, episodes: int, *given: object) -> Call:
+        """The kernel on these arguments."""
+        names, arguments = names_of(self.kernel), self.arguments(device, episodes, *given)
         if not device.here:
             return lambda stream: self(episodes, *arguments, stream=stream)
-        named = zip(names_of(self.kernel), arguments, strict=True)
-        here = [np.flatnonzero(cast(Any, one)) if name == "ids" else one for name, one in named]
-        bound = BoundKernel(self.kernel, *here)
+        masked, bound = "ids" in names, BoundKernel(self.kernel)
+        at = names.index("ids") if masked else 0
 
         def call(stream: Any) -> None:
-            bound()
+            ids = (np.flatnonzero(cast(Any, arguments[at])),) if masked else arguments[at : at + 1]
+            bound(*arguments[:at], *ids, *arguments[at + 1 :])
 
         return call
 

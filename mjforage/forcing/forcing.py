@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.device import Launch
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key
 from mjforage.base.wholes import floor
@@ -356,6 +356,25 @@ class Forcing:
         Streams and circulation, which no quay lets through.
         """
         return self._ask(self._current, t_s, xy)
+
+    def on_device(
+        self, bind: Bind, t_s: FloatArray, xy: FloatArray, wind: FloatArray, current: FloatArray
+    ) -> tuple[Call, ...]:
+        """Kernels that write wind and current (episode, point, 2) [m/s], as `at`.
+
+        Parameters
+        ----------
+        t_s : (episode,) [s]
+        xy : (episode, point, 2 or more) [m]
+        """
+        return (
+            bind(WIND, *self._wind.fixed, t_s, xy, wind),
+            bind(CURRENT, *self._current.fixed, t_s, xy, current),
+        )
+
+    def noise_on_device(self, bind: Bind, t_s: FloatArray, noise: FloatArray) -> Call:
+        """A kernel that writes `item_noise` (episode, item, 2) [m/s]."""
+        return bind(ITEM_NOISE, *self._item_noise.fixed, t_s, noise)
 
     def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:
         """Velocity (episode, item, 2) [m/s] that an item's own water adds to the current.

@@ -4,18 +4,30 @@ All of them work in one memory and in one order; nothing goes to the host unless
 device is a GPU, or this processor, where MuJoCo Warp is slow.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
+import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
-from mjforage.base.device import SIMULATED, Launch, OnDevice, require_gpu
+from mjforage.base.device import SIMULATED, Call, Launch, OnDevice, require_gpu
 from mjforage.base.errors import UserError
 from mjforage.physics.scene import Scene
 from mjforage.physics.warp_hulls import WarpHulls
 
-Call = Callable[[Any], None]
+Float32Array = NDArray[np.float32]
+
+
+class Live(NamedTuple):
+    """Warp's arrays of the hulls, in its memory."""
+
+    places: Float32Array  # (world, 3 x vessel) half a step ahead, as MuJoCo has them
+    velocities: Float32Array  # (world, 3 x vessel)
+    lagged: Float32Array  # (world, 2 x vessel)
+    commands: Float32Array  # (world, 2 x vessel)
+    around: Float32Array  # (world, vessel, 9) fields of `vessel_motion.Surroundings`
 
 
 class DeviceHulls:
@@ -24,9 +36,7 @@ class DeviceHulls:
     Attributes
     ----------
     arrays : of the host, and what they are on the device
-    places, velocities : (world, 3 x vessel) float32 half a step ahead, as MuJoCo has them
-    lagged, commands : (world, 2 x vessel) float32
-    around : (world, vessel, 9) float32, fields of `vessel_motion.Surroundings`
+    live : what stands for Warp's arrays
     step : moves all hulls on, a call as those of `bind`
     """
 
@@ -48,10 +58,14 @@ class DeviceHulls:
         self._worlds = worlds
         self._warp_name = "cuda" if device == "cuda" and not SIMULATED else "cpu"
         self.hulls = WarpHulls(scene, worlds, step_s=step_s, device=self._warp_name)
-        self.arrays = OnDevice(here=device == "warp-cpu")
-        shared = map(self.arrays.shared, self.hulls.live)
-        self.places, self.velocities, self.lagged, self.commands, self.around = shared
+        self._here = device == "warp-cpu"
         self.step: Call = lambda stream: self.hulls.advance()
+        self.renew()
+
+    def renew(self) -> None:
+        """Forget what arrays of the host are on the device, but Warp's, and what is bound to it."""
+        self.arrays = OnDevice(self._here)
+        self.live = Live(*map(self.arrays.shared, self.hulls.live))
 
     @property
     def memory_bytes(self) -> int:

@@ -13,7 +13,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.device import Launch
+from mjforage.base.device import Call, Launch
 from mjforage.base.randomness import Stream, UInt64Array, episode_key, stream_key, uniform
 from mjforage.forcing.flow import OPEN_SEA
 from mjforage.forcing.forcing import CURRENT, WIND
@@ -28,7 +28,7 @@ from mjforage.learning.environments.waypoint_track import (
     TICK_S,
 )
 from mjforage.physics.callback.model_layout import LOSS, WATER
-from mjforage.physics.device_hulls import Call, DeviceHulls
+from mjforage.physics.device_hulls import DeviceHulls, Live
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation.integrators import Integrator, half_step_s
 from mjforage.physics.vessels import Vessel
@@ -93,16 +93,6 @@ class Outcome(NamedTuple):
     distance: FloatArray
 
 
-class Water(NamedTuple):
-    """Warp's arrays of the hulls, see `DeviceHulls`."""
-
-    places: Float32Array
-    velocities: Float32Array
-    lagged: Float32Array
-    commands: Float32Array
-    around: Float32Array
-
-
 @kernel
 def _distance(tracks: Tracks, e: int) -> float:
     """Distance to the waypoint that an episode is at [m]."""
@@ -113,7 +103,7 @@ def _distance(tracks: Tracks, e: int) -> float:
 
 
 @kernel
-def _begin(chosen: BoolArray, law: Law, tracks: Tracks, water: Water, outcome: Outcome) -> None:
+def _begin(chosen: BoolArray, law: Law, tracks: Tracks, live: Live, outcome: Outcome) -> None:
     """Draw the next episodes of the chosen environments; vessels are at the origin, at rest."""
     for e in range(chosen.size):
         if not chosen[e]:
@@ -131,18 +121,18 @@ def _begin(chosen: BoolArray, law: Law, tracks: Tracks, water: Water, outcome: O
         for axis in range(2):
             tracks.mean_wind[e, axis], tracks.mean_current[e, axis] = wind[axis], current[axis]
             tracks.lagged[e, axis] = 0.0
-            water.lagged[e, axis] = water.commands[e, axis] = 0.0
+            live.lagged[e, axis] = live.commands[e, axis] = 0.0
         tracks.gust_key[e] = stream_key(key, Stream.GUSTS)
         tracks.current_key[e] = stream_key(key, Stream.CURRENT)
         for axis in range(3):
-            water.places[e, axis] = water.velocities[e, axis] = 0.0
+            live.places[e, axis] = live.velocities[e, axis] = 0.0
             tracks.pose[e, 0, axis] = tracks.velocity[e, 0, axis] = 0.0
-        water.places[e, 2] = tracks.pose[e, 0, 2] = yaw
+        live.places[e, 2] = tracks.pose[e, 0, 2] = yaw
         vessel = stream_key(key, Stream.VESSELS)
         left = 1.0 + law.thrust * (2.0 * uniform(vessel, 0, 2) - 1.0)
-        water.around[e, 0, LOSS] = water.around[e, 0, LOSS + 1] = left
-        water.around[e, 0, _MASS] = 1.0 + law.mass * (2.0 * uniform(vessel, 0, 0) - 1.0)
-        water.around[e, 0, _DRAG] = 1.0 + law.drag * (2.0 * uniform(vessel, 0, 1) - 1.0)
+        live.around[e, 0, LOSS] = live.around[e, 0, LOSS + 1] = left
+        live.around[e, 0, _MASS] = 1.0 + law.mass * (2.0 * uniform(vessel, 0, 0) - 1.0)
+        live.around[e, 0, _DRAG] = 1.0 + law.drag * (2.0 * uniform(vessel, 0, 1) - 1.0)
         tracks.episode[e] += 1
         tracks.reached[e] = tracks.steps[e] = 0
         tracks.clock_s[e] = 0.0
@@ -151,13 +141,13 @@ def _begin(chosen: BoolArray, law: Law, tracks: Tracks, water: Water, outcome: O
 
 
 @kernel
-def _command(actions: Float32Array, law: Law, water: Water, outcome: Outcome) -> None:
+def _command(actions: Float32Array, law: Law, live: Live, outcome: Outcome) -> None:
     """Take actions (env, 2), cut off at full thrust; effort is a term of the reward to be."""
     for e in range(actions.shape[0]):
         square = 0.0
         for side in range(2):
             share = min(max(float(actions[e, side]), -1.0), 1.0)
-            water.commands[e, side] = share * (law.high if share > 0.0 else -law.low)
+            live.commands[e, side] = share * (law.high if share > 0.0 else -law.low)
             square += share * share
         outcome.terms[e, 0] = outcome.terms[e, 1] = outcome.terms[e, 2] = 0.0
         outcome.terms[e, 3] = 0.5 * square
@@ -171,26 +161,26 @@ def _mark(outcome: Outcome, again: BoolArray) -> None:
 
 
 @kernel
-def _feel(tracks: Tracks, water: Water) -> None:
+def _feel(tracks: Tracks, live: Live) -> None:
     """Give vessels the wind and the water of the moment."""
     for e in range(tracks.reached.size):
         for axis in range(2):
-            water.around[e, 0, axis] = tracks.wind[e, 0, axis]
-            water.around[e, 0, WATER + axis] = tracks.current[e, 0, axis]
+            live.around[e, 0, axis] = tracks.wind[e, 0, axis]
+            live.around[e, 0, WATER + axis] = tracks.current[e, 0, axis]
 
 
 @kernel
-def _read(law: Law, tracks: Tracks, water: Water, outcome: Outcome) -> None:
+def _read(law: Law, tracks: Tracks, live: Live, outcome: Outcome) -> None:
     """Take what a tick has brought; vessels that have reached all waypoints stay as they were."""
     for e in range(tracks.reached.size):
         if tracks.reached[e] == WAYPOINTS:
             continue
         for axis in range(3):
-            rate = float(water.velocities[e, axis])
+            rate = float(live.velocities[e, axis])
             tracks.velocity[e, 0, axis] = rate
-            tracks.pose[e, 0, axis] = water.places[e, axis] - law.shift_s * rate
-        tracks.lagged[e, 0] = water.lagged[e, 0]
-        tracks.lagged[e, 1] = water.lagged[e, 1]
+            tracks.pose[e, 0, axis] = live.places[e, axis] - law.shift_s * rate
+        tracks.lagged[e, 0] = live.lagged[e, 0]
+        tracks.lagged[e, 1] = live.lagged[e, 1]
         tracks.clock_s[e] += TICK_S
         before, now = tracks.distance[e], _distance(tracks, e)
         outcome.terms[e, 0] += before - now
@@ -299,7 +289,6 @@ class WaypointBatch:
         self.outcome = outcome = _outcome(envs)
         self.actions, self.last = np.zeros((envs, 2), np.float32), np.zeros((envs, 16), np.float32)
         self.chosen, again = np.zeros(envs, np.bool_), np.zeros(envs, np.bool_)
-        water = Water(hulls.places, hulls.velocities, hulls.lagged, hulls.commands, hulls.around)
         given = np.array([weights.get(term, 0.0) for term in TERMS])
         gusts = weather.gust_intensity or 0.0, weather.gust_tau_s
         at_sea = OPEN_SEA.patches, OPEN_SEA.spacing_m, OPEN_SEA.corner_m
@@ -310,15 +299,15 @@ class WaypointBatch:
         see = hulls.bind(SEE, law, tracks, outcome.observation)
 
         def begin(those: BoolArray) -> tuple[Call, ...]:
-            return hulls.bind(BEGIN, those, law, tracks, water, outcome), blow, flow, see
+            return hulls.bind(BEGIN, those, law, tracks, hulls.live, outcome), blow, flow, see
 
         tick = (
-            hulls.bind(FEEL, tracks, water),
+            hulls.bind(FEEL, tracks, hulls.live),
             hulls.step,
-            hulls.bind(READ, law, tracks, water, outcome),
+            hulls.bind(READ, law, tracks, hulls.live, outcome),
             blow,
         )
-        command = hulls.bind(COMMAND, self.actions, law, water, outcome)
+        command = hulls.bind(COMMAND, self.actions, law, hulls.live, outcome)
         judge = hulls.bind(JUDGE, given, again, tracks, outcome)
         self._begin, step = begin(self.chosen), (command, *tick * TICKS, judge)
         self._step = {

@@ -2,21 +2,23 @@
 
 from typing import Any
 
+from mjforage.base.device import SIMULATED
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
+from mjforage.physics.positioning import Positioning
 from mjforage.physics.scene import Scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.simulation.simulated_fleet import SimulatedFleet
 from mjforage.scenario.scenario import Physics
 
-_WARP_NAMES = {"warp-cpu": "cpu", "cuda": "cuda"}
 
-
-def check_device(choice: Physics) -> None:
+def check_device(choice: Physics, positioning: str, model: Positioning) -> None:
     """Refuse a device that cannot be used.
 
-    Raises `UserError` if the extra or the device is missing, or it shall step as the reference
-    integrator does.
+    Raises `UserError` if the extra or the device is missing, it shall step as the reference
+    integrator does, or the positioning model has no kernel.
+
+    `positioning`: the name of the model.
     """
     if choice.device == "cpu":
         return
@@ -26,9 +28,14 @@ def check_device(choice: Physics) -> None:
         raise UserError(
             f"{what}: has the fast integrator only; give physics.integrator = fast, or no device"
         )
+    if not hasattr(model, "on_device"):
+        raise UserError(
+            f"{what}: positioning {positioning} has no kernel for it (`on_device`); give no device"
+        )
     from mjforage.physics.warp_hulls import check_found  # Warp where it is wanted
 
-    check_found(_WARP_NAMES[choice.device])
+    if not SIMULATED:
+        check_found("cuda" if choice.device == "cuda" else "cpu")
 
 
 def create_simulation(
@@ -45,5 +52,4 @@ def create_simulation(
         return Simulation(scene, simulations, integrator=integrator, step_s=step_s, **options)
     from mjforage.physics.warp_simulation import WarpSimulation
 
-    device = _WARP_NAMES[choice.device]
-    return WarpSimulation(scene, simulations, device=device, step_s=step_s, **options)
+    return WarpSimulation(scene, simulations, device=choice.device, step_s=step_s, **options)

@@ -8,12 +8,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.base.device import Launch
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.scenario.faults import SIDES, Faults
 from mjforage.scenario.roles import Fleet
 
 FloatArray = NDArray[np.float64]
 HOUR_S = 3600.0
+
+
+@kernel
+def _lose(from_s: FloatArray, loss: float, now_s: FloatArray, lost: FloatArray) -> None:
+    """Write the share of the thrust lost at a time (episode,) [s], (episode, vessel, 2)."""
+    for e in range(from_s.shape[0]):
+        for v in range(from_s.shape[1]):
+            for side in range(2):
+                lost[e, v, side] = loss if now_s[e] >= from_s[e, v, side] else 0.0
+
+
+LOSE = Launch(_lose)
 
 
 @dataclass(frozen=True)
@@ -31,7 +44,9 @@ class Failures:
 
     def losses(self, now_s: NDArray[np.floating[Any]]) -> FloatArray:
         """(episode, vessel, 2) share of the thrust lost at a time (episode,) [s]."""
-        return np.asarray(np.where(now_s[:, None, None] >= self.from_s, self.loss, 0.0))
+        lost = np.empty(self.from_s.shape)
+        _lose(self.from_s, self.loss, np.asarray(now_s, np.float64), lost)
+        return lost
 
 
 @kernel

@@ -5,6 +5,7 @@ A decision becomes a waypoint; controllers steer at 10 Hz; the state at the peri
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +67,10 @@ from mjforage.scenario.place import Place
 from mjforage.scenario.roles import Fleet
 from mjforage.scenario.scenario import Scenario
 
+if TYPE_CHECKING:
+    from mjforage.physics.dynamics.device_period import DevicePeriod
+    from mjforage.physics.warp_simulation import WarpSimulation
+
 
 class MujocoDynamics:
     """Vessels and floating bodies. Distances and energy are in node lengths, as at graph level."""
@@ -90,7 +95,6 @@ class MujocoDynamics:
         self._graph, self._fleet, self._scenario = graph, fleet, scenario
         self._trajectory, self._choice = trajectory, scenario.physics
         self._globe = place
-        check_device(self._choice)
         weather_s, integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
         self._step_s = step_s = self._choice.step_s or integrator.step_s
         self._ticks = WEATHER_TICKS * whole_times(
@@ -108,7 +112,8 @@ class MujocoDynamics:
         self._mouths = mouths_of(self._choice, len(fleet), CONTROL_S)
         self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names), place)
         self._models = [vessel_model(vessel) for vessel in known_vessels(fleet, self._choice)]
-        create_positioning(scenario.sensors, (0, len(fleet)), CONTROL_S)
+        positioning = create_positioning(scenario.sensors, (0, len(fleet)), CONTROL_S)
+        check_device(self._choice, scenario.sensors.positioning, positioning)
         self._chart = Chart(graph.navigable, graph.pitch_m, self._scene.walls)
         self._grid = LandGrid(self._chart.land, graph.pitch_m)
         self._camera = ticked_camera(scenario.sensors)
@@ -128,6 +133,7 @@ class MujocoDynamics:
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
         episodes, items = initial.item_node.shape
+        self._on_device: DevicePeriod | None = None
         self._simulation = create_simulation(
             self._choice,
             self._scene,
@@ -169,6 +175,7 @@ class MujocoDynamics:
     ) -> Transition:
         """Start other episodes in some rows (row,) of the batch; returns the state of all."""
         fresh = start_state(initial, self._centres)
+        self._leave_device()
         self._simulation.restart(rows, names, initial.item_node.shape[1] if self._bodies else 0)
         self._pilot.reset(rows)
         self._positioning.reset(rows)
@@ -220,6 +227,7 @@ class MujocoDynamics:
 
         `pose`: (row, vessel, 3) [m], [rad].
         """
+        self._leave_device()
         self._simulation.place_vessels(pose, ids=rows)
         self._motion = self._measured()
 
@@ -232,8 +240,7 @@ class MujocoDynamics:
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: steer, drift, collect. Inactive episodes do not change."""
-        state, simulation = self._state, self._simulation
-        ids = np.flatnonzero(active)
+        state, ids = self._state, np.flatnonzero(active)
         if not ids.size:
             return state
         target, nodes = self._berths_xy[moves.target], self._centres_xy[moves.target]
@@ -242,6 +249,14 @@ class MujocoDynamics:
         self._period.begin(active)
         state.pickup[active] = IDLE
         recorded = self._trajectory is not None and bool(active[0])
+        if self._choice.device != "cpu":
+            if self._on_device is None:
+                self._on_device = self._moved()
+            self._on_device.run(
+                active, target, Sent(nodes, stay), self._record if recorded else None
+            )
+            self._end_period(active, step, moves, recorded)
+            return state
         with warnings_suppressed():  # entered once for all ticks
             for tick in range(self._ticks):
                 known = self._locate(active)
@@ -255,11 +270,55 @@ class MujocoDynamics:
                 self._steer(active, ids, target, known)
                 if self._intake:
                     self._collect(active)
+        self._end_period(active, step, moves, recorded)
+        return state
+
+    def _end_period(
+        self, active: NDArray[np.bool_], step: Int32Array, moves: Moves, recorded: bool
+    ) -> None:
+        """Write what became of the decision."""
         self._settle(active, step, moves)
         if recorded:
             self._record()
-        simulation.load[active] = self._fleet.capacity - self._room_left[active]
-        return state
+        self._simulation.load[active] = self._fleet.capacity - self._room_left[active]
+
+    def _moved(self) -> "DevicePeriod":
+        """The ticks of a period on the device, which then has all of the batch."""
+        from mjforage.physics.dynamics.device_period import DevicePeriod, Parts
+
+        return DevicePeriod(
+            Parts(
+                simulation=cast("WarpSimulation", self._simulation),
+                pilot=self._pilot,
+                positioning=self._positioning,
+                forcing=self._forcing,
+                failures=self._failures,
+                reach=self._reach if self._intake else None,
+                camera=self._camera if self._has_camera else None,
+                grid=self._grid,
+                bodies=self._bodies,
+                contacts=self._contacts,
+                monitor=self._monitor_setup,
+                keys=self._keys,
+                tick=self._tick,
+                motion=self._motion,
+                state=self._state,
+                record=self._period,
+                room_left=self._room_left,
+                attempts=self._attempts,
+                mouths=self._mouths,
+                tracks=self._tracks,
+                collects=self._fleet.collects,
+                ticks=self._ticks,
+                substeps=self._substeps,
+            )
+        )
+
+    def _leave_device(self) -> None:
+        """Have the host know all, before it changes any of it."""
+        if self._on_device is not None:
+            self._on_device.end()
+            self._on_device = None
 
     def _locate(self, active: NDArray[np.bool_]) -> Known:
         """Poses and velocities as the vessels know them: as measured, or as estimated from that."""

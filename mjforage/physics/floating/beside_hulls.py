@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.device import Launch
 from mjforage.physics.callback.vessel_motion import inertia
 from mjforage.physics.floating.body_pool import is_near
 from mjforage.physics.floating.drift import Afloat
@@ -108,19 +109,23 @@ def drift_beside(
     hulls: Hulls,
     reach_m: float,
     step_s: float,
+    memory: Float64Array,
     ids: NDArray[np.int64],
 ) -> None:
     """Move the items of simulations `ids` within reach of hulls, for which `active` is set.
 
     Steps are those of the fast integrator. Hulls are slowed and turned by what they push.
+
+    `memory`: (2, vessel, 3).
     """
     q, v, wind, water = afloat.q, afloat.v, afloat.wind, afloat.water
     kind, kinds, active, land = afloat.kind, afloat.kinds, afloat.active, quays.land
     size, poses, before, after = hulls.size, hulls.pose, hulls.before, hulls.after
-    vessels = size.shape[0]
-    force, will = np.empty((vessels, 3)), np.empty((vessels, 3))
+    vessels, force, will = size.shape[0], memory[0], memory[1]
     for e in ids:
-        force[:], will[:] = 0.0, after[e]  # before it feels an item
+        for n in range(vessels):
+            for axis in range(3):
+                force[n, axis], will[n, axis] = 0.0, after[e, n, axis]  # before it feels an item
         for k in range(kind.shape[1]):
             x, y = q[e, k, 0], q[e, k, 1]
             active[e, k] = kind[e, k] >= 0.0 and is_near(poses[e], size, x, y, reach_m)
@@ -155,3 +160,6 @@ def drift_beside(
         for n in range(vessels):
             if force[n, 0] != 0.0 or force[n, 1] != 0.0:
                 _recoil(hulls, e, n, force[n], step_s)
+
+
+DRIFT_BESIDE = Launch(drift_beside, shared="kinds quays parameters size", memory="memory")

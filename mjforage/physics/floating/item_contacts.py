@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.device import Launch
 from mjforage.base.wholes import floor
 from mjforage.controllers.chart import (
     WALL_M,
@@ -30,38 +31,55 @@ AHEAD_M = 0.05  # gap of pairs that may come to touch in the sweeps
 TOUCH_M = 1e-3  # items that near touch: approach is stopped
 SMALL = 3e-3  # overlap [m] and approach [m/s] with which sweeps end
 SHARE = 0.35  # of a cell's side that the reach is: two or three cells are searched for an item
+PAIRS = 16  # room for so many for each item; discs that do not overlap have 3
 _LEAST = 1e-12
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
 
 class Scratch(NamedTuple):
-    """Memory of a search for neighbours, of so many items."""
+    """Memory for the contacts of so many items."""
 
     first: NDArray[np.int32]  # (power of two,) item of a bucket of cells, -1 none
     following: NDArray[np.int32]  # (item,) the next one of its bucket
     cell: Int64Array  # (item, 2)
+    pairs: Int64Array  # (2, pair, 2) as found, and as sorted
+    order: Int64Array  # (2, pair)
+    upwind: Float64Array  # (pair,) see `_sort_from_downwind`
+    place: Int64Array  # (item,) of an item among those that meet others, -1 if it is not
+    named: Int64Array  # (item,) those that meet others
+    state: Float64Array  # (2, item, 4) of these, now and before: x, y [m], velocity [m/s]
+    bounds: Float64Array  # (item, 4) see `_find_bounds`
+    mass: Float64Array  # (item,) [kg]
+    held: NDArray[np.bool_]  # (item,)
+
+    @classmethod
+    def of(cls, items: int) -> "Scratch":
+        """Memory for so many."""
+        size, room = 4, min(PAIRS * items, items * (items - 1) // 2)
+        while size < 2 * items:
+            size *= 2
+        whole: dict[str, tuple[int, ...]] = {
+            "cell": (items, 2),
+            "pairs": (2, room, 2),
+            "order": (2, room),
+            "place": (items,),
+            "named": (items,),
+        }
+        others = np.empty((2, items, 4)), np.empty((items, 4)), np.empty(items)
+        first, following = np.empty(size, np.int32), np.empty(items, np.int32)
+        cell, pairs, order, place, named = (np.empty(shape, np.int64) for shape in whole.values())
+        about = first, following, cell, pairs, order, np.empty(room), place, named
+        return cls(*about, *others, np.empty(items, np.bool_))
 
 
 @kernel
-def scratch_of(items: int) -> Scratch:
-    """Memory for a search."""
-    size = 4
-    while size < 2 * items:
-        size *= 2
-    following, cell = np.empty(items, np.int32), np.empty((items, 2), np.int64)
-    return Scratch(np.empty(size, np.int32), following, cell)
-
-
-@kernel
-def near_pairs(afloat: Afloat, e: int, reach_m: float, scratch: Scratch, pairs: Int64Array) -> int:
+def near_pairs(afloat: Afloat, e: int, reach_m: float, scratch: Scratch) -> int:
     """Find the pairs j < k of a simulation's items that are nearer to each other than `reach_m`.
 
-    Their order depends on the places alone.
-
-    `pairs`: (room, 2) written. Returns: number of pairs; those beyond the room are only counted.
+    Their order depends on the places alone. Returns: their number; those without room are left.
     """
-    q, kind = afloat.q, afloat.kind
+    q, kind, pairs = afloat.q, afloat.kind, scratch.pairs[0]
     first, following, cell = scratch.first, scratch.following, scratch.cell
     last, per_m, count = len(first) - 1, 0.999 * SHARE / reach_m, 0
     first[:] = -1
@@ -78,9 +96,9 @@ def near_pairs(afloat: Afloat, e: int, reach_m: float, scratch: Scratch, pairs: 
                 while other >= 0:
                     dx, dy = x - q[e, other, 0], y - q[e, other, 1]
                     here = cell[other, 0] == i and cell[other, 1] == j  # not of another cell
-                    if here and dx * dx + dy * dy < reach_m * reach_m:
-                        if count < len(pairs):
-                            pairs[count, 0], pairs[count, 1] = other, k
+                    near = here and dx * dx + dy * dy < reach_m * reach_m
+                    if near and count < len(pairs):
+                        pairs[count, 0], pairs[count, 1] = other, k
                         count += 1
                     other = following[other]
         cell[k, 0], cell[k, 1], bucket = own_i, own_j, _bucket(own_i, own_j) & last
@@ -95,13 +113,13 @@ def _bucket(i: int, j: int) -> int:
 
 
 @kernel
-def _bounds(quays: Quays, state: Float64Array) -> Float64Array:
-    """(item, 4) least x, y and largest x, y that items can be moved to, off quays, in a tick.
+def _find_bounds(quays: Quays, state: Float64Array, bounds: Float64Array) -> None:
+    """Write the least x, y and largest x, y that items can be moved to, off quays, in a tick.
 
     No farther than the diameter of an item. One in a quay is not moved deeper.
     """
     land, pitch, radius = quays.land, quays.pitch_m, quays.radius_m
-    bounds, far, (columns, rows) = np.empty((len(state), 4)), 2.0 * radius, grid_shape(land)
+    far, (columns, rows) = 2.0 * radius, grid_shape(land)
     for k in range(len(state)):
         x, y = state[k, 0], state[k, 1]
         free_x, free_y, side_x, side_y = far, far, 1, 1
@@ -127,7 +145,6 @@ def _bounds(quays: Quays, state: Float64Array) -> Float64Array:
         bounds[k, 1], bounds[k, 3] = y - far, y + far
         bounds[k, 1 + side_x], bounds[k, 2 + side_y] = x + side_x * free_x, y + side_y * free_y
         far = 2.0 * radius
-    return bounds
 
 
 @kernel
@@ -195,39 +212,72 @@ def _sweep(
 
 
 @kernel
-def _from_downwind(state: Float64Array, pairs: Int64Array, to_x: float, to_y: float) -> Int64Array:
-    """Pairs with the item farther downwind first, in the order of the other one, from downwind."""
-    upwind = np.empty(len(pairs))
-    for p in range(len(pairs)):
-        a, b = pairs[p, 0], pairs[p, 1]
+def _merge(keys: Float64Array, order: Int64Array, first: int, middle: int, last: int) -> None:
+    """Merge two neighbouring sorted runs of row 0 into row 1; of equal ones, the left comes first.
+
+    `order`: (2, place) indices into `keys`.
+    """
+    left, right = first, middle
+    for at in range(first, last):
+        if left < middle and (right >= last or keys[order[0, left]] <= keys[order[0, right]]):
+            order[1, at] = order[0, left]
+            left += 1
+        else:
+            order[1, at] = order[0, right]
+            right += 1
+
+
+@kernel
+def _sort_from_downwind(count: int, to_x: float, to_y: float, scratch: Scratch) -> None:
+    """Sort so many pairs from downwind, by the item that is farther upwind, which comes second.
+
+    A stable merge sort, for a GPU has none.
+    """
+    state, pairs, order, upwind = scratch.state[0], scratch.pairs, scratch.order, scratch.upwind
+    for p in range(count):
+        a, b = pairs[0, p, 0], pairs[0, p, 1]
         of_a = state[a, 0] * to_x + state[a, 1] * to_y
         of_b = state[b, 0] * to_x + state[b, 1] * to_y
         if of_a < of_b:
-            pairs[p, 0], pairs[p, 1] = b, a
-        upwind[p] = -min(of_a, of_b)
-    return pairs[np.argsort(upwind, kind="mergesort")]
+            pairs[0, p, 0], pairs[0, p, 1] = b, a
+        upwind[p], order[0, p] = -min(of_a, of_b), p
+    long = 1
+    while long < count:
+        for first in range(0, count, 2 * long):
+            middle = min(first + long, count)
+            _merge(upwind, order, first, middle, min(middle + long, count))
+        for p in range(count):
+            order[0, p] = order[1, p]
+        long *= 2
+    for p in range(count):
+        for side in range(2):
+            pairs[1, p, side] = pairs[0, order[0, p], side]
 
 
 @kernel
-def _renumbered(pairs: Int64Array, items: int) -> Int64Array:
-    """(item,) items of the pairs, of so many; the pairs become places in that."""
-    named, place, count = np.empty(2 * len(pairs), np.int64), np.full(items, -1, np.int64), 0
-    for p in range(len(pairs)):
+def _renumber(count: int, scratch: Scratch) -> int:
+    """Name the items of so many pairs; the pairs become places in that. Returns: how many."""
+    pairs, named, place, items = scratch.pairs[0], scratch.named, scratch.place, 0
+    place[:] = -1
+    for p in range(count):
         for side in range(2):
             k = pairs[p, side]
             if place[k] < 0:
-                place[k], named[count] = count, k
-                count += 1
+                place[k], named[items] = items, k
+                items += 1
             pairs[p, side] = place[k]
-    return named[:count]
+    return items
 
 
 @kernel
-def separate(afloat: Afloat, quays: Quays, shift_s: float, ids: Int64Array) -> None:
+def separate(
+    afloat: Afloat, quays: Quays, shift_s: float, scratch: Scratch, ids: Int64Array
+) -> None:
     """Part the items of simulations `ids` that overlap, and stop those that touch and approach.
 
     Each of two items gives way by its share of the inverse masses, so that their momentum stays,
-    but for what a quay takes. No item is moved into a quay. Sweeps end when all is small.
+    but for what a quay takes. No item is moved into a quay. Sweeps end when all is small. Pairs
+    beyond `PAIRS` for each item come to their turn in the next ticks.
 
     Parameters
     ----------
@@ -236,33 +286,36 @@ def separate(afloat: Afloat, quays: Quays, shift_s: float, ids: Int64Array) -> N
     """
     q, v, wind, water = afloat.q, afloat.v, afloat.wind, afloat.water
     kind, kinds, reach_m = afloat.kind, afloat.kinds, 2.0 * quays.radius_m
-    scratch, room = scratch_of(kind.shape[1]), np.empty((kind.shape[1], 2), np.int64)
+    named = scratch.named
     for e in ids:
-        count = near_pairs(afloat, e, reach_m + AHEAD_M, scratch, room)
+        count = near_pairs(afloat, e, reach_m + AHEAD_M, scratch)
         if not count:
             continue
-        if count > len(room):
-            room = np.empty((2 * count, 2), np.int64)
-            near_pairs(afloat, e, reach_m + AHEAD_M, scratch, room)
-        pairs = room[:count]
-        items = _renumbered(pairs, kind.shape[1])
-        state, mass = np.empty((len(items), 4)), np.empty(len(items))
+        items = _renumber(count, scratch)
+        state, before = scratch.state[0, :items], scratch.state[1, :items]
+        bounds, mass, held = scratch.bounds[:items], scratch.mass[:items], scratch.held[:items]
         to_x = to_y = 0.0
-        for n in range(len(items)):
-            k = items[n]
+        for n in range(items):
+            k = named[n]
             mass[n], state[n, 2], state[n, 3] = kinds[int(kind[e, k]), 0], v[e, k, 0], v[e, k, 1]
             state[n, 0] = q[e, k, 0] - shift_s * v[e, k, 0]
             state[n, 1] = q[e, k, 1] - shift_s * v[e, k, 1]
+            for column in range(4):
+                before[n, column] = state[n, column]
             # the usual drift of items, for the order of the pairs only
             to_x += LEEWAY * wind[e, k, 0] + water[e, k, 0]
             to_y += LEEWAY * wind[e, k, 1] + water[e, k, 1]
-        pairs, before = _from_downwind(state, pairs, to_x, to_y), state.copy()
-        bounds, held = _bounds(quays, state), np.zeros(len(items), np.bool_)
+        _sort_from_downwind(count, to_x, to_y, scratch)
+        _find_bounds(quays, state, bounds)
+        held[:] = False
         for _ in range(SWEEPS):
-            if _sweep(state, bounds, mass, pairs, held, reach_m) < SMALL:
+            if _sweep(state, bounds, mass, scratch.pairs[1, :count], held, reach_m) < SMALL:
                 break
-        for n in range(len(items)):
+        for n in range(items):
             for axis in range(2):
-                k, faster = items[n], state[n, 2 + axis] - before[n, 2 + axis]
+                k, faster = named[n], state[n, 2 + axis] - before[n, 2 + axis]
                 q[e, k, axis] += state[n, axis] - before[n, axis] + shift_s * faster
                 v[e, k, axis] = state[n, 2 + axis]
+
+
+SEPARATE = Launch(separate, shared="kinds quays", memory="scratch")

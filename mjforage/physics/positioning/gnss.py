@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.device import Launch
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key, uniform
 from mjforage.base.wholes import floor
@@ -132,6 +132,20 @@ class Gnss:
         """Forget some episodes."""
         for each in self._memory:
             each[rows] = 0.0
+
+    def on_device(
+        self,
+        bind: Bind,
+        keys: UInt64Array,
+        tick: NDArray[np.int64],
+        pose: FloatArray,
+        velocity: FloatArray,
+    ) -> tuple[tuple[Call, ...], Measured]:
+        """`measure` by a kernel on a device: calls, and what they write."""
+        pose_seen, velocity_seen = np.zeros((2, *pose.shape))
+        seen = Measured(pose_seen, velocity_seen, np.zeros(pose.shape[:2], np.bool_))
+        about = self._errors, self._outages, self._memory, keys, tick
+        return (bind(MEASURE, *about, pose, velocity, seen),), seen
 
     def measure(
         self, keys: UInt64Array, tick: NDArray[np.int64], pose: FloatArray, velocity: FloatArray

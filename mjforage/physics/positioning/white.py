@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.device import Launch
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key
 from mjforage.physics.positioning.model import POSITIONING, FloatArray, Measured
 from mjforage.scenario.sensors import Sensors
@@ -42,19 +42,34 @@ class White:
 
     def __init__(self, sensors: Sensors, shape: tuple[int, int], tick_s: float) -> None:
         """Take the noise."""
-        self._position, self._heading = sensors.position_noise_m, sensors.heading_noise_deg
+        self._position = sensors.position_noise_m
+        self._heading_rad = math.radians(sensors.heading_noise_deg)
+        self._exact = self._position == self._heading_rad == 0.0
         self._fix = np.ones(shape, np.bool_)
 
     def reset(self, rows: NDArray[np.int64]) -> None:
         """Nothing is remembered."""
 
+    def on_device(
+        self,
+        bind: Bind,
+        keys: UInt64Array,
+        tick: NDArray[np.int64],
+        pose: FloatArray,
+        velocity: FloatArray,
+    ) -> tuple[tuple[Call, ...], Measured]:
+        """`measure` by a kernel on a device: calls, and what they write."""
+        if self._exact:
+            return (), Measured(pose, velocity, self._fix)
+        noise, noisy = (self._position, self._heading_rad), np.zeros_like(pose)
+        return (bind(NOISY, keys, tick, *noise, pose, noisy),), Measured(noisy, velocity, self._fix)
+
     def measure(
         self, keys: UInt64Array, tick: NDArray[np.int64], pose: FloatArray, velocity: FloatArray
     ) -> Measured:
         """Measurements at a tick."""
-        heading = math.radians(self._heading)
-        if self._position == 0.0 and heading == 0.0:
+        if self._exact:
             return Measured(pose, velocity, self._fix)
         noisy = np.empty_like(pose)
-        _noisy(keys, tick, self._position, heading, pose, noisy)
+        _noisy(keys, tick, self._position, self._heading_rad, pose, noisy)
         return Measured(noisy, velocity, self._fix)

@@ -20,6 +20,7 @@ from mjforage.physics.callback.model_layout import (
     WIND,
 )
 from mjforage.physics.floating import Afloat, Quays, drift, quays_of, separate
+from mjforage.physics.floating.item_contacts import Scratch
 from mjforage.physics.scene import Scene, parking_xy
 from mjforage.physics.simulation.instability import InstabilityError
 
@@ -106,7 +107,8 @@ class SimulatedFleet(ABC):
         """Bind the kernels that move items."""
         averaged = self._shift_s > 0.0
         self._drift = BoundKernel(drift, self._afloat, self._quays, self.step_s, averaged)
-        self._separate = BoundKernel(separate, self._afloat, self._quays, self._shift_s)
+        contacts = self._afloat, self._quays, self._shift_s, Scratch.of(self.items)
+        self._separate = BoundKernel(separate, *contacts)
 
     @abstractmethod
     def reset(self, ids: NDArray[Any] | None = None) -> None:

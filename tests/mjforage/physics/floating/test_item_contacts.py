@@ -10,11 +10,12 @@ from mjforage.forcing import LEEWAY
 from mjforage.physics.floating import Afloat, Quays, separate
 from mjforage.physics.floating.item_contacts import (
     AHEAD_M,
+    PAIRS,
     SMALL,
     SWEEPS,
     TOUCH_M,
+    Scratch,
     near_pairs,
-    scratch_of,
 )
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
@@ -55,7 +56,7 @@ def separated(
     places, speeds = np.array(q, np.float64), np.array(v, np.float64)
     kinds = np.zeros(len(places)) if kind is None else np.array(kind, np.float64)
     afloat = afloat_of(places, speeds, kinds, wind)
-    separate(afloat, quays_of(land), shift_s, ONE)
+    separate(afloat, quays_of(land), shift_s, Scratch.of(len(places)), ONE)
     return afloat.q[0], afloat.v[0]
 
 
@@ -162,19 +163,20 @@ def plain_pairs(q: Array, kind: Array, reach_m: float) -> list[tuple[int, int]]:
 def test_neighbours_are_those_of_all_pairs(scale: float) -> None:
     q, v, kind = cloud()
     q *= scale
-    expected, room = plain_pairs(q, kind, 0.25), np.empty((7_000, 2), np.int64)
-    afloat = afloat_of(q, v, kind)
-    count = near_pairs(afloat, 0, 0.25, scratch_of(len(q)), room)
-    assert sorted(map(tuple, room[:count].tolist())) == expected
-    assert near_pairs(afloat, 0, 0.25, scratch_of(len(q)), room[:3]) == count
+    expected, room = plain_pairs(q, kind, 0.25), np.empty((2, 7_000, 2), np.int64)
+    afloat, scratch = afloat_of(q, v, kind), Scratch.of(len(q))
+    count = near_pairs(afloat, 0, 0.25, scratch._replace(pairs=room))
+    assert sorted(map(tuple, room[0, :count].tolist())) == expected
+    assert near_pairs(afloat, 0, 0.25, scratch) == min(count, PAIRS * len(q))
+    assert (scratch.pairs[0, : PAIRS * len(q)][:count] == room[0, :count][: PAIRS * len(q)]).all()
 
 
 def plainly(q: Array, v: Array, kind: Array, wind: Array) -> None:
     """`separate` of the same pairs in open water, without bounds or memory that is used twice."""
-    found, room, toward = afloat_of(q, v, kind), np.empty((7_000, 2), np.int64), LEEWAY * wind
-    count = near_pairs(found, 0, 2 * RADIUS_M + AHEAD_M, scratch_of(len(q)), room)
-    pairs = [(int(j), int(k)) for j, k in room[:count]]
-    assert count > len(q), "more than there is room for at first"
+    found, scratch, toward = afloat_of(q, v, kind), Scratch.of(len(q)), LEEWAY * wind
+    count = near_pairs(found, 0, 2 * RADIUS_M + AHEAD_M, scratch)
+    pairs = [(int(j), int(k)) for j, k in scratch.pairs[0, :count]]
+    assert len(q) < count < PAIRS * len(q), "with room for all of them"
     pairs.sort(key=lambda pair: -min(q[k] @ toward for k in pair))
     pairs = [(j, k) if q[j] @ toward >= q[k] @ toward else (k, j) for j, k in pairs]
     mass = KINDS[kind.astype(int), 0]

@@ -1,0 +1,310 @@
+"""All ticks of a decision on a device, where kernels do what `MujocoDynamics` does in a loop.
+
+The kernels are those that the processor runs. Before the ticks the device is told the orders, after
+them the host knows where all is; in between nothing is copied, but for frames of a trajectory.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import kernel
+from mjforage.base.device import Call, Launch
+from mjforage.base.randomness import UInt64Array
+from mjforage.controllers import Pilot
+from mjforage.forcing import Forcing
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.dynamics import Transition
+from mjforage.physics.dynamics.camera import Camera
+from mjforage.physics.dynamics.collecting import (
+    COLLECT_AT_MOUTH,
+    SEEK,
+    Attempts,
+    Goal,
+    Mouths,
+    Reach,
+    Sent,
+)
+from mjforage.physics.dynamics.faults import LOSE, Failures
+from mjforage.physics.dynamics.period_monitor import (
+    MONITOR,
+    MonitorSetup,
+    Motion,
+    PeriodRecord,
+    Tick,
+)
+from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS
+from mjforage.physics.dynamics.tracks import LOOK_OUT, TRACKED, ItemTracks, LandGrid
+from mjforage.physics.positioning import Positioning
+from mjforage.physics.scene import parking_xy
+from mjforage.physics.warp_simulation import WarpSimulation
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+Calls = tuple[Call, ...]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """A batch of missions, see `MujocoDynamics`; what does not take part is None."""
+
+    simulation: WarpSimulation
+    pilot: Pilot
+    positioning: Positioning
+    forcing: Forcing
+    failures: Failures | None
+    reach: Reach | None  # with intake
+    camera: Camera | None
+    grid: LandGrid
+    bodies: bool
+    contacts: bool
+    monitor: MonitorSetup
+    keys: UInt64Array
+    tick: NDArray[np.int64]
+    motion: Motion
+    state: Transition
+    record: PeriodRecord
+    room_left: NDArray[np.int64]
+    attempts: Attempts
+    mouths: Mouths
+    tracks: ItemTracks
+    collects: BoolArray
+    ticks: int  # of a period
+    substeps: int  # of a tick
+
+
+@kernel
+def _note(
+    pose: FloatArray,
+    velocity: FloatArray,
+    shift_s: float,
+    before: Motion,
+    now: Motion,
+    giving_way: BoolArray,
+) -> None:
+    """Write motions before and after a tick, from poses as MuJoCo has them."""
+    for e in range(pose.shape[0]):
+        for v in range(pose.shape[1]):
+            for axis in range(3):
+                before.pose[e, v, axis] = now.pose[e, v, axis]
+                before.velocity[e, v, axis] = now.velocity[e, v, axis]
+                now.velocity[e, v, axis] = velocity[e, v, axis]
+                now.pose[e, v, axis] = pose[e, v, axis] - shift_s * velocity[e, v, axis]
+
+
+@kernel
+def _count(active: BoolArray, tick: NDArray[np.int64], more: int, now_s: FloatArray) -> None:
+    """Count ticks of the active episodes, and write their times [s]."""
+    for e in range(active.size):
+        if active[e]:
+            tick[e] += more
+        now_s[e] = tick[e] * CONTROL_S
+
+
+@kernel
+def _read_places(q: FloatArray, v: FloatArray, shift_s: float, xy: FloatArray) -> None:
+    """Write places of items (episode, item, 2), from those ahead of their velocities."""
+    for e in range(q.shape[0]):
+        for k in range(q.shape[1]):
+            for axis in range(2):
+                xy[e, k, axis] = q[e, k, axis] - shift_s * v[e, k, axis]
+
+
+@kernel
+def _shift(pose: FloatArray, ashore: FloatArray, shifted: FloatArray) -> None:
+    """Write poses from which the item that each vessel collects lies in the water."""
+    for e in range(pose.shape[0]):
+        for v in range(pose.shape[1]):
+            for axis in range(3):
+                more = ashore[e, v, axis] if axis < 2 else 0.0
+                shifted[e, v, axis] = pose[e, v, axis] + more
+
+
+@kernel
+def _add(current: FloatArray, noise: FloatArray, water: FloatArray) -> None:
+    """Write the velocity of an item's water, (episode, item, 2)."""
+    for e in range(water.shape[0]):
+        for k in range(water.shape[1]):
+            for axis in range(2):
+                water[e, k, axis] = current[e, k, axis] + noise[e, k, axis]
+
+
+@kernel
+def _show_all(xy: FloatArray, known: FloatArray) -> None:
+    """Let every vessel know the places of all items, (episode, vessel, item, 2)."""
+    for e in range(known.shape[0]):
+        for v in range(known.shape[1]):
+            for k in range(known.shape[2]):
+                known[e, v, k, 0], known[e, v, k, 1] = xy[e, k, 0], xy[e, k, 1]
+
+
+@kernel
+def _remove(
+    item_node: Int32Array,
+    parking: FloatArray,
+    kind: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+) -> None:
+    """Take collected items off the water."""
+    for e in range(item_node.shape[0]):
+        for k in range(item_node.shape[1]):
+            if item_node[e, k] < 0 and kind[e, k] >= 0.0:
+                kind[e, k] = -1.0
+                for axis in range(2):
+                    q[e, k, axis], v[e, k, axis] = parking[k, axis], 0.0
+
+
+NOTE, COUNT, READ_PLACES = Launch(_note), Launch(_count), Launch(_read_places)
+SHIFT, ADD, SHOW_ALL = Launch(_shift), Launch(_add), Launch(_show_all)
+REMOVE = Launch(_remove, shared="parking")
+
+
+class DevicePeriod:
+    """The ticks of a decision, bound to a batch; made anew when episodes of it start."""
+
+    def __init__(self, parts: Parts) -> None:
+        """Bind all kernels to the parts' arrays, which the device then has as well."""
+        self._parts, simulation = parts, parts.simulation
+        self._hulls = simulation.hulls
+        self._hulls.renew()
+        episodes, vessels = parts.tick.size, len(parts.collects)
+        places = np.zeros((episodes, vessels, 2))
+        self._active, self._target = np.zeros(episodes, np.bool_), places
+        self._sent = Sent(places.copy(), np.zeros((episodes, vessels), np.bool_))
+        self._now_s, self._xy = np.zeros(episodes), np.zeros((episodes, simulation.items, 2))
+        state = parts.state
+        shared = self._active, self._target, *self._sent, *parts.pilot.arrays, *parts.record
+        of_items = state.pickup, state.item_node, state.collected_by, parts.room_left
+        self._exchanged = [*shared, *of_items, *parts.motion, parts.tick, simulation.load]
+        self._exchanged += simulation.arrays
+        self._start, self._first, self._other = self._calls()
+
+    def _calls(self) -> tuple[Calls, Calls, Calls]:
+        """What comes before all ticks, a tick with new weather and goals, and one without."""
+        p, bind, active = self._parts, self._hulls.bind, self._active
+        about = p.keys, p.tick, p.motion.pose, p.motion.velocity
+        measure, seen = p.positioning.on_device(bind, *about)  # type: ignore[attr-defined]
+        locate, pose, velocity = p.pilot.locating(bind, active, *seen)
+        look: Calls = ()
+        if p.camera is not None:
+            sights = p.camera, p.grid, p.keys, p.collects, p.tracks, active, p.tick, CONTROL_S
+            of_items = self._xy, p.state.item_node, p.attempts.item
+            look = (bind(LOOK_OUT, *sights, p.motion.pose, pose, *of_items),)
+        seeking = p.motion.pose if p.positioning.errors is None else pose
+        if p.camera is not None and p.positioning.errors is not None:
+            shifted = np.zeros_like(pose)
+            look += (bind(SHIFT, pose, p.tracks.ashore, shifted),)
+            pose = seeking = shifted
+        known = *measure, *locate, *look
+        steered = self._steered(pose, velocity)
+        count = bind(COUNT, active, p.tick, 0, self._now_s)
+        start = (count, self._read_places()) if p.bodies else (count,)
+        return start, (*known, *self._felt(), *self._sought(seeking), *steered), (*known, *steered)
+
+    def _read_places(self) -> Call:
+        afloat, shift_s = self._parts.simulation.afloat, self._parts.simulation.shift_s
+        return self._hulls.bind(READ_PLACES, afloat.q, afloat.v, shift_s, self._xy)
+
+    def _felt(self) -> Calls:
+        """Wind and water of the moment, and thrust that is lost."""
+        p, bind, simulation = self._parts, self._hulls.bind, self._parts.simulation
+        winds = simulation.vessel_wind, simulation.vessel_water
+        felt = p.forcing.on_device(bind, self._now_s, p.motion.pose, *winds)
+        if p.failures is not None:
+            loss = p.failures.from_s, p.failures.loss
+            felt += (bind(LOSE, *loss, self._now_s, simulation.thrust_loss),)
+        if p.bodies:
+            current, noise = np.zeros((2, *self._xy.shape))
+            around = simulation.item_wind, current
+            felt += p.forcing.on_device(bind, self._now_s, self._xy, *around)
+            felt += (
+                p.forcing.noise_on_device(bind, self._now_s, noise),
+                bind(ADD, current, noise, simulation.item_water),
+            )
+        return felt
+
+    def _sought(self, seeking: FloatArray) -> Calls:
+        """Items for the pilots, from poses (episode, vessel, 3)."""
+        p, bind, active = self._parts, self._hulls.bind, self._active
+        if p.reach is None:
+            return ()
+        known = np.zeros((*p.attempts.item.shape, *self._xy.shape[1:]))
+        show = bind(SHOW_ALL, self._xy, known)
+        if p.camera is not None:
+            show = bind(TRACKED, p.tracks, p.grid, p.tick, CONTROL_S, known)
+        goal = Goal.of(*p.attempts.item.shape)
+        about = p.reach, p.attempts, active, p.room_left, seeking, known, self._sent, self._now_s
+        return show, bind(SEEK, *about, p.state, goal), p.pilot.telling(bind, *goal)
+
+    def _steered(self, pose: FloatArray, velocity: FloatArray) -> Calls:
+        """Command, step, take note, collect."""
+        p, bind, active = self._parts, self._hulls.bind, self._active
+        simulation = p.simulation
+        command = p.pilot.commanding(bind, active, pose, velocity, simulation.commands)
+        calls = (command, *simulation.calls(active) * p.substeps)
+        if p.contacts:
+            calls += (simulation.separating(active),)
+        giving_way = np.zeros(p.state.agent_node.shape, np.bool_)
+        before = Motion(*np.zeros((2, *pose.shape)))
+        met, lagged = simulation.contact_state
+        tick = Tick(before, p.motion, self._target, giving_way, met, lagged)
+        way = met, simulation.velocity, simulation.shift_s
+        calls += (
+            bind(NOTE, *way, before, p.motion, giving_way),
+            bind(COUNT, active, p.tick, 1, self._now_s),
+            p.pilot.yielding(bind, giving_way),
+            bind(MONITOR, p.monitor, p.record, active, tick),
+        )
+        if p.bodies:
+            calls += (self._read_places(),)
+        if p.reach is not None:
+            afloat = simulation.afloat
+            about = p.reach, active, p.motion.pose, self._xy, p.room_left, p.state, p.mouths
+            parked = parking_xy(simulation.items), afloat.kind, afloat.q, afloat.v
+            calls += (
+                bind(COLLECT_AT_MOUTH, *about, self._now_s),
+                bind(REMOVE, p.state.item_node, *parked),
+                self._read_places(),
+            )
+        return calls
+
+    def run(
+        self, active: BoolArray, target: FloatArray, sent: Sent, record: Callable[[], None] | None
+    ) -> None:
+        """Play the ticks of a decision, which the pilot has been given.
+
+        Raises `InstabilityError` if something has no place any more.
+
+        Parameters
+        ----------
+        active : (episode,)
+        target : (episode, vessel, 2) [m]
+        record : is called every `WEATHER_TICKS` between the first tick and the last
+        """
+        orders = self._active, self._target, *self._sent
+        for own, new in zip(orders, (active, target, *sent), strict=True):
+            own[:] = new
+        for array in self._exchanged:
+            self._hulls.arrays.send(array)
+        interval = (*self._first, *self._other * (WEATHER_TICKS - 1))
+        self._hulls.run(self._start)
+        for past in range(self._parts.ticks // WEATHER_TICKS):
+            if record is not None and past:
+                self._fetch(self._exchanged)
+                record()
+            self._hulls.run(interval)
+        self._hulls.wait()
+        self._fetch(self._exchanged)
+        self._parts.simulation.check(active)
+
+    def _fetch(self, arrays: list[NDArray[Any]]) -> None:
+        for array in arrays:
+            self._hulls.arrays.fetch(array)
+
+    def end(self) -> None:
+        """Have the host know all that the device does, before the host changes it."""
+        self._fetch([array for array in self._hulls.arrays.arrays if array.flags.writeable])
