@@ -97,7 +97,7 @@ MUJOCO := 4.0.0
 # Kernels and hulls on a device hang on MuJoCo Warp's version. Of crowds one integrator is enough:
 # the solver is the same.
 NOT_OURS := --ignore tests/mjforage/physics/dynamics/test_device_kernels.py \
-	--ignore tests/mjforage/physics/test_device_fleet.py --ignore-glob '*/test_warp_*' \
+	--ignore-glob '*/test_warp_*' \
 	--deselect 'tests/mjforage/physics/simulation/test_crowd.py::test_sparse_and_dense_solvers_agree[Integrator.REFERENCE]'
 
 $(VENV)/mujoco-$(MUJOCO)/.installed: $(VENV)/.installed-dev

@@ -62,7 +62,7 @@ class OnDevice:
 
         `here`: True if the device is this processor, on which arrays are their own copies.
         """
-        self.here = here
+        self.here, self._memory_bytes = here, 0
         self._copies: dict[int, tuple[NDArray[Any], Any]] = {}
 
     def of(self, array: NDArray[Any]) -> Any:
@@ -70,6 +70,13 @@ class OnDevice:
         if id(array) not in self._copies:
             self._copies[id(array)] = array, array if self.here else _copied(array)
         return self._copies[id(array)][1]
+
+    def of_threads(self, array: NDArray[Any], threads: int) -> Any:
+        """A copy for each thread, whatever it holds; one for all on this processor."""
+        if self.here:
+            return self.of(array)
+        self._memory_bytes += threads * array.nbytes
+        return _copied(np.broadcast_to(array, (threads, *array.shape)))
 
     def shared(self, copy: Any) -> NDArray[Any]:
         """An array of the host for which one of Warp, of plain numbers, stands on the device."""
@@ -80,8 +87,8 @@ class OnDevice:
 
     @property
     def memory_bytes(self) -> int:
-        """Memory of all copies."""
-        return sum(array.nbytes for array, _ in self._copies.values())
+        """Memory of all copies, and of that of threads."""
+        return self._memory_bytes + sum(array.nbytes for array, _ in self._copies.values())
 
     def tensor(self, array: NDArray[Any]) -> Any:
         """The copy of an array as a tensor of torch, in the same memory."""
@@ -177,9 +184,7 @@ class Launch:
             return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
         if not isinstance(value, np.ndarray):
             return value
-        if self.is_memory(name) and not device.here:
-            return _copied(np.broadcast_to(value, (episodes, *value.shape)))
-        return device.of(value)
+        return device.of_threads(value, episodes) if self.is_memory(name) else device.of(value)
 
     def _view(self, name: str, text: str, kind: Kind, known: dict[str, Any]) -> str:
         """The text of an argument, or a part of one, as a thread gives it to the kernel."""

@@ -1,65 +1,29 @@
-"""Speeds on a device: fleets of hulls, controllers and items (`DeviceFleet`), and environments."""
+"""Speeds on a device: fleets steered among drifting items, their environments, and waypoints."""
 
 import time
+from typing import Any
 
 import numpy as np
 
 from mjforage.bench.running import Progress, Rate
-from mjforage.controllers import Chart
-from mjforage.forcing import LEEWAY
-from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.learning.environments.vector import ForagingVectorEnv
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
-from mjforage.physics.device_fleet import DeviceFleet
-from mjforage.physics.device_hulls import DeviceHulls
-from mjforage.physics.port_drive import FLEET, ITEMS, PITCH_M, WIND_MPS
-from mjforage.physics.scene import build_scene
-from mjforage.physics.vessels import load_vessel
-from mjforage.scenario.maps import load_map
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
+from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
+from mjforage.physics.dynamics.ticks import CONTROL_S
+from mjforage.scenario.scenario_file import load_scenario
 
 BATCHES = {"cuda": (1024, 4096, 16384), "warp-cpu": (16,)}
-TICKS, ORDERS_TICKS = 400, 100  # of a measurement, and from orders to orders
-STEPS_OF_A_SLICE = 20
-UNIT = "fleet steps of 0.1 s per second (4 vessels steered, 75 drifting items)"
-
-
+SCENARIO = "comb-port-weather"  # two scouts, two foragers, some 75 items
+DECISIONS, SLICES, STEPS_OF_A_SLICE = 3, 4, 20
+FLEETS = "fleet steps of 0.1 s per second (4 vessels steered, 75 items drifting and collected)"
+DECIDED = "fleet decisions of 10 s per second, with sensing and observations"
 STEPS = "environment steps of 0.5 s per second (one vessel, observed and steered by thrusts)"
 
 
-def port_fleet(
-    episodes: int, items: int = ITEMS, seed: int = 0, device: str = "cuda"
-) -> DeviceFleet:
-    """Fleets and items at random nodes of the default port, under orders and wind."""
-    water = load_map("comb_port").navigable
-    graph, rng = navigation_graph(water, PITCH_M, False), np.random.default_rng(seed)
-    vessels = [load_vessel(name) for name in FLEET]
-    scene = build_scene(vessels, navigable=water, pitch_m=PITCH_M, items=0)
-    fleet = DeviceFleet(scene, Chart(graph.navigable, PITCH_M), episodes, items, device)
-    centres = graph.metres(np.stack((graph.rows, graph.cols), axis=1).astype(np.float64))
-    nodes = np.stack([rng.permutation(len(graph))[: len(FLEET)] for _ in range(episodes)])
-    pose = np.zeros((episodes, len(FLEET), 3))
-    pose[..., :2], pose[..., 2] = centres[nodes], rng.uniform(0.0, 6.28, nodes.shape)
-    fleet.place(pose)
-    afloat = fleet.afloat
-    afloat.q[:] = centres[rng.integers(0, len(graph), (episodes, items))]
-    afloat.q[:] += rng.uniform(-1.0, 1.0, afloat.q.shape)
-    afloat.kind[:] = rng.integers(0, len(afloat.kinds), afloat.kind.shape)
-    afloat.wind[:], afloat.v[:] = WIND_MPS, LEEWAY * np.array(WIND_MPS)
-    fleet.send()
-    give_orders(fleet, rng)
-    return fleet
-
-
-def give_orders(fleet: DeviceFleet, rng: np.random.Generator) -> None:
-    """Send every vessel some metres from where it is."""
-    fleet.fetch()
-    origin = fleet.pose[..., :2].copy()
-    target = origin + rng.choice((-PITCH_M, 0.0, PITCH_M), origin.shape)
-    fleet.pilot.order(fleet.active, origin, target, np.zeros(origin.shape[:2], np.bool_))
-    fleet.send()
-
-
 def speeds(device: str, progress: Progress = lambda key: None) -> dict[str, Rate]:
-    """Measure batches on "cuda" or "warp-cpu"; first ticks and steps, which compile, do not count.
+    """Measure batches on "cuda" or "warp-cpu"; first ones, which compile, do not count.
 
     Raises `UserError` if there is no such device.
     """
@@ -67,36 +31,71 @@ def speeds(device: str, progress: Progress = lambda key: None) -> dict[str, Rate
     for episodes in BATCHES[device]:
         progress(key := f"device_fleets_{episodes}")
         found[key] = _fleets(device, episodes)
+        progress(key := f"device_decisions_{episodes}")
+        found[key] = _decisions(device, episodes)
         progress(key := f"device_waypoints_{episodes}")
         found[key] = _waypoints(device, episodes)
     return found
 
 
-def _fleets(device: str, episodes: int) -> Rate:
-    fleet, rng, rates = port_fleet(episodes, device=device), np.random.default_rng(1), []
-    fleet.run(2)
-    for _ in range(TICKS // ORDERS_TICKS):
-        give_orders(fleet, rng)
+class _Timed:
+    """Dynamics of a world, and the time that the last decision took in it [s]."""
+
+    def __init__(self, dynamics: MujocoDynamics) -> None:
+        self._dynamics, self.took_s = dynamics, 0.0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._dynamics, name)
+
+    def advance(self, *given: Any) -> Any:
         started = time.perf_counter()
-        fleet.run(ORDERS_TICKS)
-        rates.append(episodes * ORDERS_TICKS / (time.perf_counter() - started))
-    return _rate(rates, UNIT, fleet.hulls)
+        state = self._dynamics.advance(*given)
+        self.took_s = time.perf_counter() - started
+        return state
+
+
+def _fleets(device: str, episodes: int) -> Rate:
+    """Fleets that go at random, without what the mission makes of it."""
+    setup, rng, rates = (
+        Setup.of(load_scenario(SCENARIO, [f"physics.device={device}"])),
+        np.random.default_rng(0),
+        [],
+    )
+    about = setup.graph, setup.fleet, setup.scenario, None, setup.grid.place
+    dynamics = MujocoDynamics(*about)
+    timed: Any = _Timed(dynamics)
+    mission, ticks = Mission(setup, timed), setup.scenario.period_s / CONTROL_S
+    mission.reset(0, np.arange(episodes))
+    for _ in range(1 + DECISIONS):
+        mission.advance(rng.random((episodes, len(setup.fleet), 9)))
+        rates.append(episodes * ticks / timed.took_s)
+    return _rate(rates[1:], FLEETS, dynamics.memory_bytes)
+
+
+def _decisions(device: str, envs: int) -> Rate:
+    env, rates = ForagingVectorEnv(envs, scenario=SCENARIO, world="physics", device=device), []
+    env.reset(seed=0)
+    for _ in range(1 + DECISIONS):
+        actions, started = env.action_space.sample(), time.perf_counter()
+        env.step(actions)
+        rates.append(envs / (time.perf_counter() - started))
+    return _rate(rates[1:], DECIDED)
 
 
 def _waypoints(device: str, envs: int) -> Rate:
     env = WaypointVectorEnv(envs, device=device)
     seen, _ = env.reset(seed=0)
     rates = []
-    for _ in range(1 + TICKS // ORDERS_TICKS):
+    for _ in range(1 + SLICES):
         started = time.perf_counter()
         for _ in range(STEPS_OF_A_SLICE):
             seen, *_ = env.step(seen[:, :2])
         env.wait()
         rates.append(envs * STEPS_OF_A_SLICE / (time.perf_counter() - started))
-    return _rate(rates[1:], STEPS, env.hulls)
+    return _rate(rates[1:], STEPS, env.hulls.memory_bytes)
 
 
-def _rate(rates: list[float], unit: str, hulls: DeviceHulls) -> Rate:
-    """The median and the best, and what an episode takes on the device."""
-    kilobytes = f", {hulls.memory_bytes / 1e3:.3g} kB of memory each"
-    return Rate(float(np.median(rates)), max(rates), unit + kilobytes)
+def _rate(rates: list[float], unit: str, memory_bytes: float = 0) -> Rate:
+    """The median and the best, and what an episode takes on the device if that is known."""
+    told = f", {memory_bytes / 1e3:.3g} kB of memory each" if memory_bytes else ""
+    return Rate(float(np.median(rates)), max(rates), unit + told)

@@ -301,10 +301,20 @@ class DevicePeriod:
         self._fetch(self._exchanged)
         self._parts.simulation.check(active)
 
+    @property
+    def memory_bytes(self) -> int:
+        """Memory of an episode on the device, without that of single threads."""
+        return self._hulls.memory_bytes
+
     def _fetch(self, arrays: list[NDArray[Any]]) -> None:
         for array in arrays:
             self._hulls.arrays.fetch(array)
 
     def end(self) -> None:
-        """Have the host know all that the device does, before the host changes it."""
-        self._fetch([array for array in self._hulls.arrays.arrays if array.flags.writeable])
+        """Have the host know all that the device does, before the host changes it.
+
+        What the host has been told after the ticks it may have written since.
+        """
+        told = {id(array) for array in (*self._exchanged, *self._parts.state)}
+        every = self._hulls.arrays.arrays
+        self._fetch([one for one in every if one.flags.writeable and id(one) not in told])

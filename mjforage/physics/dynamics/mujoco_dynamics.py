@@ -314,6 +314,11 @@ class MujocoDynamics:
             )
         )
 
+    @property
+    def memory_bytes(self) -> int:
+        """Memory of an episode on a device, 0 if it is not there."""
+        return 0 if self._on_device is None else self._on_device.memory_bytes
+
     def _leave_device(self) -> None:
         """Have the host know all, before it changes any of it."""
         if self._on_device is not None:

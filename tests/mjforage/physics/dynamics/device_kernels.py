@@ -17,9 +17,19 @@ from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
 from mjforage.mission import item_rule
 from mjforage.mission.sensors import sensing_update
 from mjforage.mission.setup import Setup
-from mjforage.physics.dynamics import collecting, item_bodies, mujoco_dynamics, period_monitor
+from mjforage.physics import warp_simulation
+from mjforage.physics.dynamics import (
+    collecting,
+    device_period,
+    faults,
+    item_bodies,
+    mujoco_dynamics,
+    period_monitor,
+)
 from mjforage.physics.dynamics import tracks as item_tracks
+from mjforage.physics.floating.beside_hulls import DRIFT_BESIDE
 from mjforage.physics.floating.drift import DRIFT
+from mjforage.physics.floating.item_contacts import SEPARATE
 from mjforage.physics.positioning import gnss, white
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
@@ -27,6 +37,7 @@ from mjforage.scenario.scenario_file import load_scenario
 LAUNCHES = {
     "command": pilot.COMMAND,
     "giving_way": pilot.GIVING_WAY,
+    "tell": pilot.TELL,
     "navigate": navigation.NAVIGATE,
     "noisy": white.NOISY,
     "measure": gnss.MEASURE,
@@ -38,6 +49,18 @@ LAUNCHES = {
     "tracked": item_tracks.TRACKED,
     "read_items": item_bodies.READ_ITEMS,
     "drift": DRIFT,
+    "drift_beside": DRIFT_BESIDE,
+    "separate": SEPARATE,
+    "give": warp_simulation.GIVE,
+    "take": warp_simulation.TAKE,
+    "lose": faults.LOSE,
+    "note": device_period.NOTE,
+    "count": device_period.COUNT,
+    "read_places": device_period.READ_PLACES,
+    "shift": device_period.SHIFT,
+    "add": device_period.ADD,
+    "show_all": device_period.SHOW_ALL,
+    "remove": device_period.REMOVE,
     "wind": forcing.WIND,
     "current": forcing.CURRENT,
     "item_noise": forcing.ITEM_NOISE,
@@ -52,15 +75,15 @@ LAUNCHES = {
     "judge_step": waypoint_batch.JUDGE,
     "see": waypoint_batch.SEE,
 }
-SCENARIOS = ("comb-port", "comb-port-weather", "comb-port-gnss")
-EPISODES, DECISIONS = 3, 6  # some vessels come to quays
+SCENARIOS: tuple[tuple[str, ...], ...] = (
+    ("comb-port", "horizon=2"),
+    ("comb-port-weather", "faults.rate_per_h=20", "sensors.position_noise_m=0.1"),
+    ("comb-port-gnss",),
+    ("comb-port-weather", "sensors.camera_noise_m=0", "horizon=2"),
+)
+EPISODES, DECISIONS = 3, 4
 _CALLED = (
-    (white, "_noisy", "noisy"),
-    (gnss, "_measure", "measure"),
     (mujoco_dynamics, "judge", "judge"),
-    (mujoco_dynamics, "seek", "seek"),
-    (mujoco_dynamics, "collect_at_mouth", "collect_at_mouth"),
-    (mujoco_dynamics, "tracked", "tracked"),
     (mujoco_dynamics, "read_items", "read_items"),
     (mujoco_dynamics, "collect", "collect"),
 )
@@ -71,8 +94,9 @@ Watcher = Callable[[str, tuple[Any, ...], Callable[[], Any]], Any]
 
 def fly() -> None:
     """Short missions and tracks of waypoints that call every kernel."""
-    for name in SCENARIOS:
-        mission = create_mission(Setup.of(load_scenario(name, [f"horizon={DECISIONS}"])), "physics")
+    for name, *changes in SCENARIOS:
+        about = [f"horizon={DECISIONS}", "physics.device=warp-cpu", *changes]
+        mission = create_mission(Setup.of(load_scenario(name, about)), "physics")
         mission.reset(0, np.arange(EPISODES))
         mission.run(create_policy("greedy"))
     tracks = WaypointVectorEnv(EPISODES, device="warp-cpu")
