@@ -30,6 +30,7 @@ class Codes(NamedTuple):
 
     code: NDArray[np.uint16]  # (node, node), or (0, 0) without a table or with too many values
     values: Float32Array  # (code,) ascending [node]; the last is inf
+    bits: Int32Array  # (code,) the same as bits
     parts: NDArray[np.int64]  # (code,) the same, see `parts_of`
 
     @classmethod
@@ -38,11 +39,13 @@ class Codes(NamedTuple):
         found = [np.unique(row) for row in table]
         values = np.unique(np.concatenate([*found, np.array([np.inf], np.float32)]))
         if not found or values.size > MOST_CODES:
-            return cls(np.empty((0, 0), np.uint16), values[-1:], np.zeros(1, np.int64))
+            values = values[-1:].copy()
+            return cls(np.empty((0, 0), np.uint16), values, values.view(np.int32), np.zeros(1, int))
         code = np.empty(table.shape, np.uint16)
         for node, row in enumerate(table):
             code[node] = np.searchsorted(values, row)
-        return cls(code, values, np.array([parts_of(value) for value in values]))
+        parts = np.array([parts_of(value) for value in values])
+        return cls(code, values, values.view(np.int32), parts)
 
 
 @lru_cache(maxsize=8)
@@ -52,16 +55,34 @@ def distance_codes(graph: NavigationGraph) -> Codes:
 
 
 @kernel
-def nearest_by_code(codes: Codes, sources: Int32Array, out: Float32Array) -> None:
-    """Distance of every node to the nearest of some sources, or inf: `out` (node,) [node]."""
+def nearest_by_code(
+    codes: Codes, sources: Int32Array, nearest: NDArray[np.uint16], out: Float32Array
+) -> None:
+    """Distance of every node to the nearest of some sources, or inf: `out` (node,) [node].
+
+    `nearest`: (node,) memory.
+    """
     code, values = codes.code, codes.values
-    nearest = np.full(out.size, np.uint16(values.size - 1), np.uint16)
+    for node in range(out.size):
+        nearest[node] = np.uint16(values.size - 1)
     for source in sources:
         row = code[source]
         for node in range(out.size):
             nearest[node] = row[node] if row[node] < nearest[node] else nearest[node]
     for node in range(out.size):
         out[node] = values[nearest[node]]
+
+
+class Hopeful(NamedTuple):
+    """Sources that may be the nearest of some target; memory."""
+
+    here: NDArray[np.uint16]  # (node,) codes
+    nodes: NDArray[np.uint64]  # (node,)
+
+    @classmethod
+    def of(cls, nodes: int) -> "Hopeful":
+        """Memory for a map of so many nodes."""
+        return cls(np.zeros(nodes, np.uint16), np.zeros(nodes, np.uint64))
 
 
 @kernel
@@ -71,6 +92,7 @@ def targets_to_nearest(
     centres: Int32Array,
     targets: Int32Array,
     slack: float,
+    memory: Hopeful,
     out: NDArray[np.float64],
 ) -> None:
     """`distances_to_nearest` by codes: of each agent's possible targets to the nearest source.
@@ -86,8 +108,7 @@ def targets_to_nearest(
     out : (agent, 9) the result [node], inf without sources
     """
     code, values = codes.code, codes.values
-    none = np.uint16(values.size - 1)
-    here, hopeful = np.empty(sources.size, np.uint16), np.empty(sources.size, np.uint64)
+    none, here, hopeful = np.uint16(values.size - 1), memory.here, memory.nodes
     for a in range(targets.shape[0]):
         centre, nearest = np.uint64(centres[a]), none
         for i in range(sources.size):

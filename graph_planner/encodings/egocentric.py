@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel, kinds_of
+from mjforage.base.device import Launch
 from mjforage.graph_planner.encodings.chart import COARSE, REACH, Chart
 from mjforage.graph_planner.encodings.encoder import (
     TOP,
@@ -54,6 +55,7 @@ def _paint_local_maps(
     framed: Int32Array,
     framed_water: Levels,
     levels: NDArray[np.uint32],
+    four: NDArray[np.uint32],
     trail: Int32Array,
     local_maps: Levels,
 ) -> None:
@@ -61,7 +63,6 @@ def _paint_local_maps(
     rows, cols, collects = arrays.rows, arrays.cols, arrays.collects
     agents, cells, width = agent_node.size, SIDE * SIDE, framed.shape[1]
     nodes, all_water = framed.reshape(-1), framed_water.reshape(-1)
-    four = np.empty(cells, np.uint32)
     for a in range(agents):
         first, out = rows[agent_node[a]] * width + cols[agent_node[a]], local_maps[a]
         water, idle, items, way, again = out[0], out[1], out[2], out[3], out[4]
@@ -179,7 +180,7 @@ def _look_around(
     fields: Fields,
     distances: Distances,
     out: Pictures,
-    rows: NDArray[np.int64],
+    ids: NDArray[np.int64],
     seen: Observation,
 ) -> None:
     """Fill the pictures of all agents in some rows (chosen,)."""
@@ -189,16 +190,24 @@ def _look_around(
     levels, energy_left = fields.levels, seen.energy_left
     way, unseen_way = ways.distance, fields.unseen_way
     step, agent_node, n_known = seen.step, seen.agent_node, seen.n_known
-    remember_places(rows, step, agent_node, memory.seen_at, trail)
-    remember_items(rows, seen, around, nearby)
-    for e in rows:
+    remember_places(ids, step, agent_node, memory.seen_at, trail)
+    remember_items(ids, seen, around, nearby)
+    for e in ids:
         shared = global_map[e, 0]
         count = share_fields(e, seen, arrays, chart, nearby, ways, fields, distances, shared)
         nodes, past = agent_node[e], (step[e] - 1, n_known[e])
         _paint_global_maps(nodes, collects, coarse, global_map[e])
-        _paint_local_maps(nodes, arrays, framed, water, levels, trail[e], local_map[e])
+        of_nodes = levels, fields.four, trail[e]
+        _paint_local_maps(nodes, arrays, framed, water, *of_nodes, local_map[e])
         _describe_selves(nodes, energy_left[e], past, arrays, count, way[e], unseen_way, own[e])
         describe_moves(e, seen, arrays, chart, fields, way[e], moves[e])
+
+
+LOOK_AROUND = Launch(
+    _look_around,
+    shared="arrays around chart distances.rows",
+    memory="fields workspace",
+)
 
 
 @encoder("egocentric")

@@ -61,11 +61,11 @@ def _pull(distance: np.float32) -> float:
 
 
 @kernel
-def _attraction(far: Float32Array, there: int, size: int) -> float:
-    """Sum of the pulls of the first `size` nodes at their distances in a row of `Sample.far`."""
+def _attraction(bits: Int32Array, there: int, size: int) -> float:
+    """Sum of the pulls of the first `size` nodes at their distances in a row of `Sample.bits`."""
     total = 0.0
     for i in range(size):
-        total += _pull(far[there, i])
+        total += _pull(np.int32(bits[there, i]).view(np.float32))
     return total
 
 
@@ -100,11 +100,11 @@ def describe_moves(
     n_items, n_unseen, n_due = items.size[0], unseen.size[0], due.size[0]
     item_bits, item_nearest = items.bits, items.nearest
     due_bits, due_nearest = due.bits, due.nearest
-    item_far, item_total, unseen_total, due_total = items.far, items.total, unseen.total, due.total
+    item_total, unseen_total, due_total = items.total, unseen.total, due.total
     start, nodes, disc = chart.views.start, chart.views.nodes, chart.disc
     for a in range(agent_node.size):
         node, radius, here, kind = agent_node[a], radius_number[a], 9 * a + STAY, int(collects[a])
-        attraction = _attraction(item_far, here, n_items)
+        attraction = _attraction(item_bits, here, n_items)
         item_way = nearest_own(item_bits, item_nearest, n_items, kind, a, here)
         due_way = nearest_own(due_bits, due_nearest, n_due, kind, a, here)
         for move in range(9):
@@ -134,7 +134,7 @@ def describe_moves(
                 else 0.0
             )
             out[a, move, 7] = _changed(gain, PER_NODE)
-            gain = _attraction(item_far, there, n_items) - attraction
+            gain = _attraction(item_bits, there, n_items) - attraction
             out[a, move, 8] = _changed(gain, PER_ATTRACTION)
             out[a, move, 9] = _changed(mean_gain(due_total, n_due, here, there), PER_NODE)
             gain = (

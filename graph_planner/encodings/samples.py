@@ -9,7 +9,6 @@ from mjforage.base.compiled import inlined, kernel
 from mjforage.graph_planner.encodings.codes import PARTS, Codes, parts_of
 from mjforage.graph_planner.graph.geodesics import (
     DistanceRows,
-    Float32Array,
     Int32Array,
     Workspace,
     filled_row,
@@ -24,22 +23,22 @@ class Sample(NamedTuple):
     """Some nodes of interest; only the first `size` entries count."""
 
     nodes: Int32Array  # (MOST_SAMPLES,)
-    far: Float32Array  # (agent x 9, MOST_SAMPLES) distance of where each move ends, or inf [node]
-    bits: Int32Array  # the same memory: distances are not negative, so are ordered as their bits
-    total: NDArray[np.int64]  # (agent x 9,) sum of `far`, see `parts_of`
+    bits: Int32Array  # (agent x 9, MOST_SAMPLES) distance of where each move ends, or inf [node],
+    # float32 as its bits: distances are not negative, so are ordered as these
+    total: NDArray[np.int64]  # (agent x 9,) sum of them, see `parts_of`
     nearest: Int32Array  # (2, MOST_SAMPLES) the nearest agent that does not collect, and that does
+    shortest: Int32Array  # (MOST_SAMPLES,) its distance as bits; memory of `share_out`
     size: Int32Array  # (1,) how many nodes there are
 
     @classmethod
     def empty(cls, agents: int) -> "Sample":
         """Memory for a sample."""
-        far = np.zeros((9 * agents, MOST_SAMPLES), np.float32)
         return cls(
             np.zeros(MOST_SAMPLES, np.int32),
-            far,
-            far.view(np.int32),
+            np.zeros((9 * agents, MOST_SAMPLES), np.int32),
             np.zeros(9 * agents, np.int64),
             np.zeros((2, MOST_SAMPLES), np.int32),
+            np.zeros(MOST_SAMPLES, np.int32),
             np.zeros(1, np.int32),
         )
 
@@ -66,13 +65,13 @@ def choose_evenly(candidates: Int32Array, count: int, sample: Sample) -> None:
 
 @inlined
 def _read(
-    codes: Codes, end: np.uint64, nodes: Int32Array, size: int, far: Float32Array, k: int
+    codes: Codes, end: np.uint64, nodes: Int32Array, size: int, bits: Int32Array, k: int
 ) -> np.int64:
-    """Fill row k of `far` with how far the first `size` nodes are from `end`; their total."""
-    code, values, parts, total = codes.code, codes.values, codes.parts, np.int64(0)
+    """Fill row k of `bits` with how far the first `size` nodes are from `end`; their total."""
+    code, values, parts, total = codes.code, codes.bits, codes.parts, np.int64(0)
     for i in range(size):
         number = code[end, np.uint64(nodes[i])]
-        far[k, i] = values[number]
+        bits[k, i] = values[number]
         total += parts[number]
     return total
 
@@ -92,16 +91,16 @@ def _measure_by_code(
 ) -> None:
     """`measure` with codes: all samples from one row of them after the other."""
     one, other = near
-    nodes, far, total, size = one.nodes, one.far, one.total, one.size[0]
-    others, others_far = other.nodes, other.far
+    nodes, bits, total, size = one.nodes, one.bits, one.total, one.size[0]
+    others, others_bits = other.nodes, other.bits
     others_total, others_size = other.total, other.size[0]
     many, many_total, many_size = crowd.nodes, crowd.total, crowd.size[0]
     for k in range(ends.size):
         if ends[k] >= 0:
             end = np.uint64(ends[k])
             many_total[k] = _read_total(codes, end, many, many_size)
-            total[k] = _read(codes, end, nodes, size, far, k)
-            others_total[k] = _read(codes, end, others, others_size, others_far, k)
+            total[k] = _read(codes, end, nodes, size, bits, k)
+            others_total[k] = _read(codes, end, others, others_size, others_bits, k)
 
 
 @kernel
@@ -113,7 +112,7 @@ def measure(
     near: tuple[Sample, Sample],
     crowd: Sample,
 ) -> None:
-    """Fill `far` and `total` of two samples, and `total` alone of a third.
+    """Fill `bits` and `total` of two samples, and `total` alone of a third.
 
     Parameters
     ----------
@@ -122,7 +121,7 @@ def measure(
     distances : what is searched where there are no codes
     """
     rows = distances.rows.distance
-    ends = targets.copy().reshape(targets.size)
+    ends = targets.reshape(targets.size)
     if codes.code.shape[0] > 0:
         _measure_by_code(codes, ends, near, crowd)
         return
@@ -132,15 +131,16 @@ def measure(
             for sample in (*near, crowd):
                 sample.total[k] = 0
                 for i in range(sample.size[0]):
-                    sample.far[k, i] = rows[row, sample.nodes[i]]
-                    sample.total[k] += parts_of(sample.far[k, i])
+                    far = rows[row, sample.nodes[i]]
+                    sample.bits[k, i] = np.float32(far).view(np.int32)
+                    sample.total[k] += parts_of(far)
 
 
 @kernel
 def mean_gain(total: NDArray[np.int64], size: int, here: int, there: int) -> float:
     """Mean gain of a sample's nodes, by how much nearer they are to one end than to another [node].
 
-    `total`, `size`: of a `Sample`; `here`, `there`: rows of `far`.
+    `total`, `size`: of a `Sample`; `here`, `there`: rows of its `bits`.
     """
     return float((total[here] - total[there]) / PARTS / max(1, size))
 
@@ -153,18 +153,17 @@ def share_out(collects: NDArray[np.bool_], sample: Sample) -> None:
 
     `collects`: (agent,) which of the two kinds each is of.
     """
-    far, nearest, size = sample.far, sample.nearest, sample.size[0]
-    shortest = np.empty(MOST_SAMPLES, np.float32)
+    bits, nearest, size, shortest = sample.bits, sample.nearest, sample.size[0], sample.shortest
     for kind in range(2):
         for i in range(size):
-            nearest[kind, i], shortest[i] = -1, np.float32(np.inf)
+            nearest[kind, i], shortest[i] = -1, _INF_BITS
         for a in range(collects.size):
             if collects[a] == kind:
                 here = np.uint64(9 * a + STAY)
                 for i in range(size):
-                    closer = far[here, i] < shortest[i]
+                    closer = bits[here, i] < shortest[i]
                     nearest[kind, i] = a if closer else nearest[kind, i]
-                    shortest[i] = far[here, i] if closer else shortest[i]
+                    shortest[i] = bits[here, i] if closer else shortest[i]
 
 
 @kernel
@@ -173,7 +172,7 @@ def nearest_own(
 ) -> float:
     """Distance to the nearest node that is given to an agent of a kind, or inf [node].
 
-    `bits`, `nearest`, `size`: of a `Sample`; `end`: row of `far` from where.
+    `bits`, `nearest`, `size`: of a `Sample`; `end`: row of `bits` from where.
     """
     shortest = _INF_BITS
     for i in range(size):

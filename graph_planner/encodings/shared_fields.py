@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.graph_planner.encodings.chart import COARSE, Chart
-from mjforage.graph_planner.encodings.codes import targets_to_nearest
+from mjforage.graph_planner.encodings.chart import COARSE, REACH, Chart
+from mjforage.graph_planner.encodings.codes import Hopeful, targets_to_nearest
 from mjforage.graph_planner.encodings.encoder import TOP, Levels, item_level
 from mjforage.graph_planner.encodings.samples import (
     Distances,
@@ -42,6 +42,9 @@ class Fields(NamedTuple):
     targets: Int32Array  # (agent, 9) where moves would end, -1 if illegal; the last: its own node
     unseen_way: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node, or inf
     unseen: Unseen
+    hopeful: Hopeful
+    nearest: NDArray[np.uint16]  # (node,) memory of `find_ways`
+    four: NDArray[np.uint32]  # (SIDE^2,) `levels` around an agent
     cell_items: NDArray[np.int64]  # (COARSE^2,) believed items
     cell_again: NDArray[np.float64]  # (COARSE^2,) sum of `again`; 0 between looks
     some_items: Sample  # of the known nodes
@@ -60,6 +63,9 @@ class Fields(NamedTuple):
             targets=np.zeros((agents, 9), np.int32),
             unseen_way=np.zeros((agents, 9)),
             unseen=Unseen.of(nodes, chart.water_at.size),
+            hopeful=Hopeful.of(nodes),
+            nearest=np.zeros(nodes, np.uint16),
+            four=np.zeros((2 * REACH + 1) ** 2, np.uint32),
             cell_items=np.zeros(COARSE**2, np.int64),
             cell_again=np.zeros(COARSE**2),
             some_items=Sample.empty(agents),
@@ -97,7 +103,8 @@ def remember_items(
     start, those_around = around.start, around.nodes
     for e in rows:
         if step[e] <= 1:
-            believed[e], marked[e], size[e] = False, False, 0
+            believed[e] = marked[e] = False
+            size[e] = 0
         more = False
         for i in range(n_known[e]):
             node = known[e, i]
@@ -106,9 +113,11 @@ def remember_items(
                 for k in range(start[0, node], start[0, node + 1]):
                     marked[e, those_around[k]] = True
         if more:
-            found = np.flatnonzero(marked[e])
-            size[e] = found.size
-            nodes[e, : found.size] = found
+            size[e] = 0
+            for node in range(marked.shape[1]):
+                if marked[e, node]:
+                    nodes[e, size[e]] = node
+                    size[e] += 1
 
 
 @kernel
@@ -216,7 +225,7 @@ def share_fields(
     agent_node, belief, known = seen.agent_node[e], seen.belief[e], seen.known[e, : seen.n_known[e]]
     neighbours, codes, unseen = arrays.neighbours, chart.codes, fields.unseen
     now, forgetting = seen.step[e] - 1, arrays.forgetting
-    find_ways(e, known, neighbours, codes, distances.workspace, ways)
+    find_ways(e, known, neighbours, codes, distances.workspace, fields.nearest, ways)
     _level(now, seen.last_seen[e], forgetting, ways.level[e], idle, levels)
     for node in known:
         levels[node] |= np.uint32(item_level(belief[node])) << ITEMS
@@ -226,10 +235,13 @@ def share_fields(
         idle, chart.place, chart.water_at, chart.node_at, chart.width, unseen
     )
     possible_targets(arrays, agent_node, targets)
-    targets[:, STAY] = agent_node
+    for a in range(agent_node.size):
+        targets[a, STAY] = agent_node[a]
     edge, slack = unseen.edge[:on_edge], longest_move(arrays)
     if codes.code.shape[0] > 0:
-        targets_to_nearest(codes, edge, agent_node, targets, slack, fields.unseen_way)
+        targets_to_nearest(
+            codes, edge, agent_node, targets, slack, fields.hopeful, fields.unseen_way
+        )
     else:
         distances_to_nearest(
             neighbours,

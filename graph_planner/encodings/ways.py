@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.graph_planner.encodings.codes import Codes, nearest_by_code
@@ -45,15 +46,16 @@ def _measure_ways(
     codes: Codes,
     known: Int32Array,
     workspace: Workspace,
+    nearest: NDArray[np.uint16],
     way: Float32Array,
 ) -> None:
     """Distance of every node to the nearest known item: by their codes, or by a search."""
     if codes.code.shape[0] > 0 and known.size <= MOST_ROWS:
-        nearest_by_code(codes, known, way)
+        nearest_by_code(codes, known, nearest, way)
         return
     way[:] = np.float32(np.inf)
     distance, touched = workspace.distance, workspace.touched
-    count = spread(neighbours, known, np.empty(0, np.int32), workspace)
+    count = spread(neighbours, known, 0, workspace)
     for i in range(count):
         way[touched[i]] = np.float32(distance[touched[i]])
         distance[touched[i]] = FAR
@@ -75,6 +77,7 @@ def find_ways(
     neighbours: Int32Array,
     codes: Codes,
     workspace: Workspace,
+    nearest: NDArray[np.uint16],
     ways: ItemWays,
 ) -> None:
     """Bring row e of the distances up to date.
@@ -83,12 +86,14 @@ def find_ways(
     ----------
     known : (place,) nodes with items
     neighbours, codes : (node, 8), and of distances. Always of the same map
+    nearest : (node,) memory
     """
     distance, level, before, size = ways.distance, ways.level, ways.known, ways.size
     if size[e] == known.size and _stand(known, before[e]):
         return
-    _measure_ways(neighbours, codes, known, workspace, distance[e])
+    _measure_ways(neighbours, codes, known, workspace, nearest, distance[e])
     for node in range(level.shape[1]):
         level[e, node] = way_level(np.float64(distance[e, node]))
     size[e] = known.size if known.size <= MOST_ROWS else -1
-    before[e, : max(0, size[e])] = known[: max(0, size[e])]
+    for i in range(size[e]):
+        before[e, i] = known[i]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.base.row_cache import RowCache, row_of, rows_worth_keeping
+from mjforage.base.wholes import rounded
 
 Int32Array = NDArray[np.int32]
 Float32Array = NDArray[np.float32]
@@ -26,32 +27,37 @@ class Workspace(NamedTuple):
 
     distance: NDArray[np.float64]  # (node,)
     touched: Int32Array  # (node,) nodes whose distance a search has set
+    buckets: Int32Array  # (3, 8 x node) a node comes in once for each edge to it at most
+    source: Int32Array  # (1,) of a search from one node
+    wanted: Int32Array  # (node,) of a search for some nodes
 
     @classmethod
     def of(cls, nodes: int) -> "Workspace":
         """Memory for a graph of so many nodes."""
-        return cls(np.full(nodes, np.inf), np.empty(nodes, np.int32))
+        return cls(*_workspace(nodes))
 
 
 @kernel
-def _grown(bucket: Int32Array) -> Int32Array:
-    """A copy of a bucket with room for twice as many."""
-    larger = np.empty(2 * bucket.size, np.int32)
-    larger[: bucket.size] = bucket
-    return larger
+def _workspace(
+    nodes: int,
+) -> tuple[NDArray[np.float64], Int32Array, Int32Array, Int32Array, Int32Array]:
+    """The arrays of a `Workspace`."""
+    touched, buckets = np.empty(nodes, np.int32), np.empty((3, 8 * nodes + 1), np.int32)
+    source, wanted = np.empty(1, np.int32), np.empty(nodes, np.int32)
+    return np.full(nodes, np.inf), touched, buckets, source, wanted
 
 
 @kernel
 def canonical(distance: float) -> float:
     """Round off the summation order, so that equal distances compare equal."""
-    return np.float64(np.float32(np.round(distance * 1e6) / 1e6))
+    return np.float64(np.float32(rounded(distance * 1e6) / 1e6))
 
 
 @kernel
 def spread(
     neighbours: Int32Array,
     sources: Int32Array,
-    wanted: Int32Array,
+    wanted: int,
     workspace: Workspace,
 ) -> int:
     """Distances from the nearest source, outwards until every wanted node is settled.
@@ -62,27 +68,23 @@ def spread(
     ----------
     neighbours : (node, 8) int32, -1 where there is no edge; odd directions are diagonal
     sources : (source,) nodes at distance 0
-    wanted : (query,) nodes that must be settled; empty: all nodes are
+    wanted : how many of `workspace.wanted` must be settled; 0: all nodes are
     workspace : `distance` holds the result; the first `n` of `touched` are the nodes that were set
     """
-    distance, touched = workspace.distance, workspace.touched
-    bucket_0 = np.empty(64, np.int32)
-    bucket_1 = np.empty(64, np.int32)
-    bucket_2 = np.empty(64, np.int32)
+    distance, touched, buckets = workspace.distance, workspace.touched, workspace.buckets
+    first, second, third = 0, 1, 2
     n_0, n_1, n_2, n_touched = 0, 0, 0, 0
     for source in sources:
         if distance[source] != 0.0:
             distance[source] = 0.0
             touched[n_touched] = source
             n_touched += 1
-            if n_0 == bucket_0.size:
-                bucket_0 = _grown(bucket_0)
-            bucket_0[n_0] = source
+            buckets[first, n_0] = source
             n_0 += 1
     level = 0
     while n_0 + n_1 + n_2 > 0:
         for i in range(n_0):
-            node = bucket_0[i]
+            node = buckets[first, i]
             here = distance[node]
             if here < level:  # an older entry of a node that was settled earlier
                 continue
@@ -97,22 +99,18 @@ def spread(
                         n_touched += 1
                     distance[other] = there
                     if there < level + 2:
-                        if n_1 == bucket_1.size:
-                            bucket_1 = _grown(bucket_1)
-                        bucket_1[n_1] = other
+                        buckets[second, n_1] = other
                         n_1 += 1
                     else:
-                        if n_2 == bucket_2.size:
-                            bucket_2 = _grown(bucket_2)
-                        bucket_2[n_2] = other
+                        buckets[third, n_2] = other
                         n_2 += 1
         level += 1
-        bucket_0, bucket_1, bucket_2 = bucket_1, bucket_2, bucket_0
+        first, second, third = second, third, first
         n_0, n_1, n_2 = n_1, n_2, 0
-        if wanted.size > 0:
+        if wanted > 0:
             settled = True
-            for node in wanted:
-                if distance[node] >= level:
+            for i in range(wanted):
+                if distance[workspace.wanted[i]] >= level:
                     settled = False
                     break
             if settled:
@@ -121,13 +119,12 @@ def spread(
 
 
 @kernel
-def _fill(
-    row: Float32Array, neighbours: Int32Array, source: Int32Array, workspace: Workspace
-) -> None:
-    """Distances (node,) from a source (1,), inf where there is no way."""
+def _fill(row: Float32Array, neighbours: Int32Array, source: int, workspace: Workspace) -> None:
+    """Distances (node,) from a source, inf where there is no way."""
     distance, touched = workspace.distance, workspace.touched
     row[:] = np.float32(np.inf)
-    for j in range(spread(neighbours, source, np.empty(0, np.int32), workspace)):
+    workspace.source[0] = source
+    for j in range(spread(neighbours, workspace.source, 0, workspace)):
         row[touched[j]] = np.float32(canonical(distance[touched[j]]))
         distance[touched[j]] = FAR
 
@@ -137,11 +134,10 @@ def all_pairs(neighbours: Int32Array) -> Float32Array:
     """Distances between all nodes: (node, node) float32, inf where there is no way."""
     n = neighbours.shape[0]
     table = np.empty((n, n), np.float32)
-    workspace = Workspace(np.full(n, FAR), np.empty(n, np.int32))
-    source = np.empty(1, np.int32)
+    distance, touched, buckets, source, wanted = _workspace(n)
+    workspace = Workspace(distance, touched, buckets, source, wanted)
     for i in range(n):
-        source[0] = i
-        _fill(table[i], neighbours, source, workspace)
+        _fill(table[i], neighbours, i, workspace)
     return table
 
 
@@ -171,9 +167,7 @@ def filled_row(rows: DistanceRows, neighbours: Int32Array, node: int, workspace:
     """
     number, missing = row_of(rows.cache, node)
     if missing:
-        source = np.empty(1, np.int32)
-        source[0] = node
-        _fill(rows.distance[number], neighbours, source, workspace)
+        _fill(rows.distance[number], neighbours, node, workspace)
     return number
 
 
@@ -215,9 +209,15 @@ def distances_to_nearest(
     """
     out[:] = FAR
     if table.shape[0] == 0:
-        flat = targets.copy().reshape(targets.size)
-        distance, touched = workspace.distance, workspace.touched
-        n_touched = spread(neighbours, sources, flat[flat >= 0], workspace)
+        distance, touched, wanted = workspace.distance, workspace.touched, 0
+        for a in range(targets.shape[0]):
+            for move in range(9):
+                if targets[a, move] >= 0:
+                    if wanted < workspace.wanted.size:
+                        workspace.wanted[wanted] = targets[a, move]
+                    wanted += 1
+        some = wanted if wanted <= workspace.wanted.size else 0  # without room for them: all nodes
+        n_touched = spread(neighbours, sources, some, workspace)
         for a in range(targets.shape[0]):
             for move in range(9):
                 if targets[a, move] >= 0:

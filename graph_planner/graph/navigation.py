@@ -159,7 +159,7 @@ class NavigationGraph:
         """(node,) geodesic distance [node] of every node to the nearest of `nodes`."""
         workspace = Workspace.of(len(self))
         sources = np.ascontiguousarray(nodes, np.int32)
-        spread(self.neighbours, sources, np.empty(0, np.int32), workspace)
+        spread(self.neighbours, sources, 0, workspace)
         return workspace.distance
 
     def views(self, radii: tuple[float, ...]) -> NodeLists:

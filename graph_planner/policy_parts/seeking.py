@@ -39,7 +39,10 @@ def longest_move(arrays: TaskArrays) -> float:
     """Largest geodesic distance that a move of any agent covers [node]; infinite across land."""
     if arrays.jump:
         return np.inf
-    return DIAGONAL * arrays.moves.max() if arrays.moves.size else 0.0
+    most = 0
+    for moves in arrays.moves:
+        most = max(most, moves)
+    return DIAGONAL * most
 
 
 @kernel

@@ -9,6 +9,7 @@ from mjforage.graph_planner.encodings import codes as module
 from mjforage.graph_planner.encodings.codes import (
     PARTS,
     Codes,
+    Hopeful,
     distance_codes,
     nearest_by_code,
     targets_to_nearest,
@@ -58,7 +59,7 @@ def test_distances_to_the_nearest_by_code_are_those_of_the_table(seed: int, coun
     random = np.random.default_rng(seed)
     sources = random.permutation(NODES)[:count].astype(np.int32)
     found = np.zeros(NODES, np.float32)
-    nearest_by_code(CODES, sources, found)
+    nearest_by_code(CODES, sources, np.zeros(NODES, np.uint16), found)
     np.testing.assert_array_equal(found, TABLE[sources].min(axis=0, initial=np.inf))
     centres = random.integers(0, NODES, 3).astype(np.int32)
     targets = np.full((3, 9), -1, np.int32)
@@ -66,7 +67,7 @@ def test_distances_to_the_nearest_by_code_are_those_of_the_table(seed: int, coun
     by_table, by_code = np.zeros((3, 9)), np.zeros((3, 9))
     about, workspace = (sources, centres, targets, DIAGONAL), Workspace.of(NODES)
     distances_to_nearest(GRAPH.neighbours, TABLE, *about, workspace, by_table)
-    targets_to_nearest(CODES, *about, by_code)
+    targets_to_nearest(CODES, *about, Hopeful.of(NODES), by_code)
     np.testing.assert_array_equal(by_code, by_table)
     plain = TABLE[sources][:, targets].min(axis=0, initial=np.inf)
     np.testing.assert_array_equal(by_code, np.where(targets >= 0, plain, np.inf))
@@ -88,4 +89,6 @@ def test_a_sample_is_measured_from_where_every_move_ends(codes: Codes) -> None:
         whole = np.where(np.isfinite(distance), distance, 0.0).sum(axis=1) * PARTS
         np.testing.assert_array_equal(sample.total[legal], whole)
         if sample is not samples[1]:  # of which the total alone is asked
-            np.testing.assert_array_equal(sample.far[legal, : nodes.size], distance)
+            np.testing.assert_array_equal(
+                sample.bits[legal, : nodes.size].view(np.float32), distance
+            )

@@ -118,10 +118,11 @@ def test_a_sample_is_shared_out_to_the_nearest_of_each_kind(seed: int, count: in
     size = sample.size[0]
     assert size == min(count, MOST_SAMPLES)
     assert sample.nodes[:size].tolist() == [candidates[i * count // size] for i in range(size)]
-    sample.far[:] = random.integers(0, 6, sample.far.shape)
-    sample.far[random.random(sample.far.shape) < 0.2] = np.inf
+    distance = sample.bits.view(np.float32)
+    distance[:] = random.integers(0, 6, distance.shape)
+    distance[random.random(distance.shape) < 0.2] = np.inf
     share_out(collects, sample)
-    far = sample.far.reshape(5, 9, -1)[..., :size]
+    far = distance.reshape(5, 9, -1)[..., :size]
     for a in range(5):
         kind = np.flatnonzero(collects == collects[a])
         here = far[:, STAY]

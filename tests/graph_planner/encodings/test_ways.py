@@ -19,6 +19,7 @@ GRAPH = navigation_graph(WATER, 1.0, False)
 NODES = len(GRAPH)
 TABLE = GRAPH.distances
 CODES, NO_CODES = Codes.of(TABLE), Codes.of(np.empty((0, 0), np.float32))
+MEMORY = np.zeros(NODES, np.uint16)
 
 
 def lists(random: np.random.Generator, count: int) -> list[NDArray[np.int32]]:
@@ -47,7 +48,7 @@ def test_ways_are_those_to_the_items_known_now(seed: int, codes: Codes) -> None:
     ways, workspace = ItemWays.none_yet(2, NODES), Workspace.of(NODES)
     for pair in zip(lists(random, 20), lists(random, 20), strict=True):
         for e, known in enumerate(pair):
-            find_ways(e, known, GRAPH.neighbours, codes, workspace, ways)
+            find_ways(e, known, GRAPH.neighbours, codes, workspace, MEMORY, ways)
         for e, known in enumerate(pair):
             expected = TABLE[known].min(axis=0, initial=np.inf)
             np.testing.assert_allclose(ways.distance[e], expected, rtol=1e-6)
@@ -58,9 +59,9 @@ def test_ways_are_those_to_the_items_known_now(seed: int, codes: Codes) -> None:
 def test_ways_stand_while_the_same_items_are_known() -> None:
     ways, workspace = ItemWays.none_yet(1, NODES), Workspace.of(NODES)
     known = np.array([3, 77], np.int32)
-    find_ways(0, known, GRAPH.neighbours, CODES, workspace, ways)
+    find_ways(0, known, GRAPH.neighbours, CODES, workspace, MEMORY, ways)
     ways.distance[0, 0] = -1.0
-    find_ways(0, known.copy(), GRAPH.neighbours, CODES, workspace, ways)
+    find_ways(0, known.copy(), GRAPH.neighbours, CODES, workspace, MEMORY, ways)
     assert ways.distance[0, 0] == -1.0
     levels = [int(way_level(distance)) for distance in (0.0, 100.0, 127.5, np.inf)]
     assert levels == [255, 55, 0, 0]
@@ -70,9 +71,11 @@ def test_items_attract_less_the_farther_they_are_and_not_at_all_from_40_nodes_on
     there = np.array([0.0, 0.5, 1.0, 2.9, 38.99, 39.5, 40.0, 41.0, 900.0, np.inf], np.float32)
     near = np.floor(there[there < 40]).astype(int)
     far = np.stack((np.zeros_like(there), there))
-    assert _attraction(far, 1, there.size) == pytest.approx((FADING**near).sum(), rel=1e-12)
-    assert _attraction(far, 1, 2) == 2.0
-    assert _attraction(far, 1, 0) == 0.0
+    assert _attraction(far.view(np.int32), 1, there.size) == pytest.approx(
+        (FADING**near).sum(), rel=1e-12
+    )
+    assert _attraction(far.view(np.int32), 1, 2) == 2.0
+    assert _attraction(far.view(np.int32), 1, 0) == 0.0
 
 
 def test_a_mean_gain_is_of_the_nodes_that_count() -> None:

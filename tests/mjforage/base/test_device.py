@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjforage.base import device
 from mjforage.base.device import Launch, OnDevice, kind_of
-from mjforage.base.wholes import floor
+from mjforage.base.wholes import floor, rounded
 
 Array = NDArray[np.float64]
 
@@ -70,3 +70,8 @@ def test_copies_are_written_and_read(simulated: None) -> None:
 @pytest.mark.parametrize("value", [-1.5, -1.0, -0.25, 0.0, 0.75, 3.0, 1e9 + 0.5])
 def test_floor_is_that_of_python(value: float) -> None:
     assert floor(value) == cast(Any, floor).py_func(value) == np.floor(value)
+
+
+@pytest.mark.parametrize("value", [-2.5, -0.5, 0.49999999999999994, 0.5, 1.5, 1e14 + 0.5, np.inf])
+def test_rounded_is_that_of_numpy(value: float) -> None:
+    assert rounded(value) == cast(Any, rounded).py_func(value) == np.round(value)

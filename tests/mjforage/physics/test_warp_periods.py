@@ -19,7 +19,8 @@ from mjforage.scenario.scenario_file import load_scenario
 SCENARIOS = (
     ("comb-port-weather", "physics.spread.mass=0.2", "physics.spread.thrust=0.1"),
     ("comb-port-weather", "sensors.camera_noise_m=0", "sensors.position_noise_m=0.2"),
-    ("comb-port-gnss", "faults.rate_per_h=20", "physics.step_s=0.05"),
+    ("comb-port-gnss", "faults.rate_per_h=20", "period_s=10", "sensors.position_wander_m=2"),
+    ("comb-port-weather", "physics.step_s=0.05"),
     ("comb-port-wind-8", "physics.capture=node", "physics.item_contacts=false"),
     (
         "comb-port-weather",
@@ -48,6 +49,7 @@ def played(changes: tuple[str, ...], looped: bool) -> list[bytes]:
         mission.advance(mission.ask(policy))
         fleets, simulation = dynamics._pilot.arrays, dynamics._simulation
         kept = *mission.state, *fleets, simulation.item_xy, simulation.vessel_pose
+        kept = *kept, simulation.item_class, dynamics._tick, dynamics._tracks.ashore
         states += [np.array(part).tobytes() for part in kept]
     assert looped == (dynamics._on_device is None)
     return states

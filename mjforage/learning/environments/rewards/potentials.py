@@ -130,7 +130,11 @@ def _nearer(
     table: Float32Array = arrays.distances
     distance, touched, reached = workspace.distance, workspace.touched, 0
     if table.shape[0] == 0:
-        reached = spread(arrays.neighbours, np.array([at], np.int32), nodes, workspace)
+        workspace.source[0] = at
+        wanted = nodes.size if nodes.size <= workspace.wanted.size else 0
+        for i in range(wanted):
+            workspace.wanted[i] = nodes[i]
+        reached = spread(arrays.neighbours, workspace.source, wanted, workspace)
     for i in range(nodes.size):
         far = np.float64(table[at, nodes[i]]) if table.shape[0] else canonical(distance[nodes[i]])
         if far < nearest[i]:

@@ -11,8 +11,10 @@ from mjforage.base.compiled import BoundKernel
 from mjforage.base.device import Launch
 from mjforage.controllers import navigation, pilot
 from mjforage.forcing import forcing
+from mjforage.graph_planner.encodings import egocentric
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments import waypoint_batch
+from mjforage.learning.environments.vector import ForagingVectorEnv
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
 from mjforage.mission import item_rule
 from mjforage.mission.sensors import sensing_update
@@ -67,6 +69,7 @@ LAUNCHES = {
     "collect": item_rule.COLLECT,
     "sense_perfectly": sensing_update.SENSE_PERFECTLY,
     "sense_imperfectly": sensing_update.SENSE_IMPERFECTLY,
+    "look_around": egocentric.LOOK_AROUND,
     "begin": waypoint_batch.BEGIN,
     "steer": waypoint_batch.COMMAND,
     "mark": waypoint_batch.MARK,
@@ -99,6 +102,10 @@ def fly() -> None:
         mission = create_mission(Setup.of(load_scenario(name, about)), "physics")
         mission.reset(0, np.arange(EPISODES))
         mission.run(create_policy("greedy"))
+    fleets = ForagingVectorEnv(EPISODES, scenario="comb-port")
+    fleets.reset(seed=0)
+    for _ in range(DECISIONS):
+        fleets.step(fleets.action_space.sample())
     tracks = WaypointVectorEnv(EPISODES, device="warp-cpu")
     tracks.reset(seed=0)
     for _ in range(2):
