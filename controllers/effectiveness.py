@@ -38,6 +38,12 @@ LAME_LOSS = 0.6  # of one side, from which the other cannot hold a course with i
 
 
 @kernel
+def is_lame(s: VesselState) -> bool:
+    """True if one of a vessel's thrusters is nearly dead, as noticed."""
+    return bool(max(s.port_loss, s.starboard_loss) > LAME_LOSS)
+
+
+@kernel
 def weigh(
     s: VesselState, port: float, starboard: float, bias: float, seen: float, noise: float
 ) -> None:

@@ -10,7 +10,7 @@ from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.device import Bind, Call, Launch
 from mjforage.controllers.chart import OPEN_WATER, Chart, LandArray
 from mjforage.controllers.conflicts import Traffic
-from mjforage.controllers.effectiveness import LAME_LOSS, notice_losses, weaken_fleet
+from mjforage.controllers.effectiveness import notice_losses, weaken_fleet
 from mjforage.controllers.estimate import estimate
 from mjforage.controllers.getting_off import note_held
 from mjforage.controllers.navigation import NAVIGATE, Navigator, SensorErrors
@@ -124,7 +124,27 @@ def _tell(state: FleetArray, item: FloatArray, following: FloatArray, look: Bool
             s.looks = 1.0 if look[e, v] else 0.0
 
 
+@kernel
+def _order(
+    state: FleetArray,
+    active: BoolArray,
+    origin: FloatArray,
+    target: FloatArray,
+    stay: BoolArray,
+) -> None:
+    """Give the decisions of one period, see `Pilot.order`."""
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        for v in range(state.shape[1]):
+            s, begin = state[e, v], target[e, v] if stay[e, v] else origin[e, v]
+            s.origin_x, s.origin_y = begin[0], begin[1]
+            s.target_x, s.target_y = target[e, v, 0], target[e, v, 1]
+            s.mode, s.arrived = START, 0.0
+
+
 COMMAND = Launch(_command, shared="models land", memory="weak paths met")
+ORDER = Launch(_order)
 GIVING_WAY, TELL = Launch(_giving_way), Launch(_tell)
 
 
@@ -197,12 +217,7 @@ class Pilot:
         origin, target : (episode, vessel, 2) centres of the nodes from and to [m]
         stay : (episode, vessel) whether to keep position at the target
         """
-        begin = np.where(stay[..., None], target, origin)
-        state = self._fleets.state
-        for axis, name in enumerate("xy"):
-            state[f"origin_{name}"][active] = begin[active, :, axis]
-            state[f"target_{name}"][active] = target[active, :, axis]
-        state["mode"][active], state["arrived"][active] = START, 0.0
+        _order(self._fleets.state, active, origin, target, stay)
 
     def collect(self, xy: FloatArray) -> None:
         """Set the item that each vessel shall collect now.
@@ -294,24 +309,24 @@ class Pilot:
         """`command` by a kernel on a device, which writes `commands` (episode, vessel, 2)."""
         return bind(COMMAND, self._fleets, self._step_s, commands, active, pose, velocity)
 
-    def telling(
-        self, bind: Bind, item: FloatArray, following: FloatArray, look: BoolArray
+    def ordering(
+        self,
+        bind: Bind,
+        active: BoolArray,
+        origin: FloatArray,
+        target: FloatArray,
+        stay: BoolArray,
     ) -> Call:
+        """`order` by a kernel on a device."""
+        return bind(ORDER, self._fleets.state, active, origin, target, stay)
+
+    def telling(self, bind: Bind, item: FloatArray, following: FloatArray, look: BoolArray) -> Call:
         """`collect`, `expect` and `look_round` by a kernel on a device."""
         return bind(TELL, self._fleets.state, item, following, look)
 
     def yielding(self, bind: Bind, held: BoolArray) -> Call:
         """`giving_way` by a kernel on a device, which writes `held` (episode, vessel)."""
         return bind(GIVING_WAY, self._fleets.state, held)
-
-    @property
-    def lame(self) -> NDArray[np.bool_]:
-        """(episode, vessel) whether one of its thrusters is nearly dead, as noticed."""
-        state = self._fleets.state
-        lame: NDArray[np.bool_] = (
-            np.maximum(state["port_loss"], state["starboard_loss"]) > LAME_LOSS
-        )
-        return lame
 
     @property
     def giving_way(self) -> NDArray[np.bool_]:

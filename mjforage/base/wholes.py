@@ -4,7 +4,6 @@ import math
 
 from mjforage.base.compiled import kernel
 
-
 _EVEN = 1.5 * 2.0**52  # beside it, numbers are whole
 
 

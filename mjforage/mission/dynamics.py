@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.base.device import Launch
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.initial_state import InitialState
@@ -68,27 +69,40 @@ def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transiti
 
 @kernel
 def goes_on(
-    horizon: int, active: NDArray[np.bool_], step: Int32Array, item_node: Int32Array
-) -> NDArray[np.bool_]:
-    """(episode,) whether it has steps to go and an item left, of those that went on so far."""
-    going = np.zeros(active.size, np.bool_)
+    horizon: int,
+    active: NDArray[np.bool_],
+    step: Int32Array,
+    item_node: Int32Array,
+    going: NDArray[np.bool_],
+) -> None:
+    """Write (episode,) whether it has steps to go and an item left, if it went on so far."""
     for e in range(active.size):
+        left = False
         if active[e] and step[e] < horizon:
             for k in range(item_node.shape[1]):
                 if item_node[e, k] >= 0:
-                    going[e] = True
+                    left = True
                     break
-    return going
+        going[e] = left
 
 
 @kernel
-def taken_by(collected_by: NDArray[np.int16], agents: int) -> NDArray[np.int64]:
-    """(episode, agent) items that each has collected."""
-    taken = np.zeros((collected_by.shape[0], agents), np.int64)
+def count_taken(collected_by: NDArray[np.int16], taken: NDArray[np.int64]) -> None:
+    """Write (episode, agent) items that each has collected."""
     for e in range(collected_by.shape[0]):
+        taken[e] = 0
         for k in range(collected_by.shape[1]):
             if collected_by[e, k] >= 0:
                 taken[e, collected_by[e, k]] += 1
+
+
+GOES_ON, COUNT_TAKEN = Launch(goes_on), Launch(count_taken)
+
+
+def taken_by(collected_by: NDArray[np.int16], agents: int) -> NDArray[np.int64]:
+    """(episode, agent) items that each has collected."""
+    taken = np.empty((collected_by.shape[0], agents), np.int64)
+    count_taken(collected_by, taken)
     return taken
 
 

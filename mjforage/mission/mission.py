@@ -330,7 +330,9 @@ class Mission:
         self._state = self._dynamics.advance(self.active, self.step, self._moves)
         self.exchange.update(self._sense(), self._knowledge)
         item_node = np.ascontiguousarray(self._state.item_node, np.int32)
-        self.active = view_of(self._go_on(self.active, self.step, item_node))
+        going = np.empty(self.active.size, np.bool_)
+        self._go_on(self.active, self.step, item_node, going)
+        self.active = view_of(going)
         return self.state
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:

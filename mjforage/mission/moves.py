@@ -58,6 +58,12 @@ class Moves(NamedTuple):
     steps: NDArray[np.int8]  # (episode, agent) nodes travelled
     blocked: NDArray[np.bool_]  # (episode, agent) no legal move was left
 
+    @classmethod
+    def of(cls, shape: tuple[int, ...]) -> "Moves":
+        """Moves to be filled, of (episode, agent)."""
+        kinds = np.int8, np.int32, np.int8, np.bool_
+        return cls(*(np.zeros(shape, kind) for kind in kinds))
+
 
 @kernel
 def move_length(direction: int, steps: int) -> float:

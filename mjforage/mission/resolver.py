@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
@@ -58,6 +59,18 @@ class Ask(NamedTuple):
     keys: UInt64Array  # (episode,)
 
 
+class Claims(NamedTuple):
+    """Memory for one episode after the other."""
+
+    claimed: NDArray[np.int64]  # (node,) 1 where an agent that chose earlier goes; 0 between
+    legal: NDArray[np.int64]  # (9,)
+
+    @classmethod
+    def of(cls, nodes: int) -> "Claims":
+        """Memory for a map of so many nodes."""
+        return cls(np.zeros(nodes, np.int64), np.zeros(9, np.int64))
+
+
 _ASK_TYPES = ("?", "f8", "i4", "f8", "i2", "i8", "i4", "u8")  # of its fields
 
 
@@ -65,8 +78,10 @@ _ASK_TYPES = ("?", "f8", "i4", "f8", "i2", "i8", "i4", "u8")  # of its fields
 def _has_nan(values: NDArray[np.float64]) -> bool:
     """True if any of the preferences (row, agent, move) is NaN."""
     found = 0
-    for value in values.flat:
-        found += value != value
+    for row in range(values.shape[0]):
+        for agent in range(values.shape[1]):
+            for move in range(values.shape[2]):
+                found += values[row, agent, move] != values[row, agent, move]
     return found > 0
 
 
@@ -74,15 +89,13 @@ def _has_nan(values: NDArray[np.float64]) -> bool:
 def _resolve(
     movers: Movers,
     corruption: Corruption,
-    claimed: NDArray[np.int64],
+    claims: Claims,
     ask: Ask,
-    first_token: int,
     moves: Moves,
 ) -> bool:
     """Let the agents of every episode choose one after the other; fill `moves`.
 
-    `claimed`, `first_token`: (node,) see `free_move`; episode e marks what it takes by the e-th
-    token. Returns: whether the preferences have no NaN; otherwise nothing is resolved.
+    Returns: whether the preferences have no NaN; otherwise nothing is resolved.
     """
     if _has_nan(ask.preferences):
         return False
@@ -96,14 +109,13 @@ def _resolve(
     direction, target, steps, blocked = moves
     n_episodes, n_agents = agent_node.shape
     owners = belief.shape[0] // max(1, n_episodes)
-    legal = np.empty(9, np.int64)
+    claimed, legal, token = claims.claimed, claims.legal, 1
     for e in range(n_episodes):
         if not active[e]:
             for agent in range(n_agents):
                 direction[e, agent], target[e, agent] = STAY, agent_node[e, agent]
                 steps[e, agent], blocked[e, agent] = 0, False
             continue
-        token = first_token + e
         key = stream_key(keys[e], Stream.CORRUPTION)
         for agent in order:
             node, stride, energy = agent_node[e, agent], hops[agent], energy_left[e, agent]
@@ -164,7 +176,12 @@ def _resolve(
             end = end if end >= 0 else node
             target[e, agent], steps[e, agent] = end, length * wide
             claimed[end] = token
+        for agent in range(n_agents):
+            claimed[target[e, agent]] = 0
     return True
+
+
+RESOLVE = Launch(_resolve, shared="movers epsilon owner_of", memory="claims")
 
 
 def check_preferences(
@@ -203,9 +220,8 @@ class Resolver:
         if rules.jump:
             reach, table, hops, span = targets, number, one, fleet.moves
         movers = Movers(np.ascontiguousarray(reach), table, hops, span, illegal, *about)
-        claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
-        self._resolve = BoundKernel(_resolve, movers, corruption, claimed)
-        self._one_owner, self._token = np.zeros(len(fleet), np.int64), 1
+        self._resolve = BoundKernel(_resolve, movers, corruption, Claims.of(len(graph)))
+        self._one_owner = np.zeros(len(fleet), np.int64)
 
     def __call__(
         self,
@@ -239,18 +255,16 @@ class Resolver:
         who : name of the policy, for messages
         """
         check_preferences(preferences, agent_node.shape, who)
-        moves = Moves(
-            direction=np.empty(agent_node.shape, np.int8),
-            target=np.empty(agent_node.shape, np.int32),
-            steps=np.empty(agent_node.shape, np.int8),
-            blocked=np.empty(agent_node.shape, np.bool_),
-        )
+        moves = Moves.of(agent_node.shape)
         acts_by = self._one_owner if owner_of is None else owner_of
         given = (active, preferences, agent_node, energy_left, belief, acts_by, step, keys)
         ask = Ask(*map(np.ascontiguousarray, given, _ASK_TYPES))
-        if not self._resolve(ask, self._token, moves):
+        if not self._resolve(ask, moves):
             raise UserError(
                 f"{who}: gives preferences that are NaN; give illegal or unwanted moves -inf"
             )
-        self._token += active.size
         return moves
+
+    def on_device(self, bind: Bind, ask: Ask, moves: Moves) -> Call:
+        """The same by a kernel on a device, which fills `moves`; NaN leaves them as they are."""
+        return bind(RESOLVE, *self._resolve.fixed, ask, moves)

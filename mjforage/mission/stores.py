@@ -3,9 +3,32 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.base.compiled import kernel
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.base.views import read_only
 from mjforage.mission.dynamics import Transition, taken_by
 from mjforage.scenario.roles import UNLIMITED, Fleet
+
+
+@kernel
+def _take_stock(
+    energy: NDArray[np.float64],
+    room: NDArray[np.int64],
+    state: Transition,
+    taken: NDArray[np.int64],
+    energy_left: NDArray[np.float64],
+    room_left: NDArray[np.int64],
+) -> None:
+    """Write what is left of full stores (episode, agent), see `Stores`."""
+    for e in range(energy.shape[0]):
+        for a in range(energy.shape[1]):
+            left = max(energy[e, a] - state.energy[e, a], 0.0)
+            energy_left[e, a] = 0.0 if state.disabled[e, a] else left
+            less = taken[e, a] if room[e, a] < UNLIMITED else 0
+            room_left[e, a] = room[e, a] - less
+
+
+TAKE_STOCK = Launch(_take_stock)
 
 
 class Stores:
@@ -35,3 +58,14 @@ class Stores:
         room = self._room.copy()
         room[:, self._holds] -= taken_by(state.collected_by, room.shape[1])[:, self._holds]
         return room
+
+    def on_device(
+        self,
+        bind: Bind,
+        state: Transition,
+        taken: NDArray[np.int64],
+        energy_left: NDArray[np.float64],
+        room_left: NDArray[np.int64],
+    ) -> Call:
+        """Both by a kernel on a device, of items `taken` (episode, agent), written."""
+        return bind(TAKE_STOCK, self._energy, self._room, state, taken, energy_left, room_left)

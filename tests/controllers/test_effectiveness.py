@@ -13,6 +13,7 @@ from mjforage.controllers.effectiveness import (
     LAME_LOSS,
     REST_S,
     count_loss,
+    is_lame,
     notice_losses,
     weaken,
 )
@@ -180,7 +181,10 @@ def test_safe_speeds_follow_the_weaker_brake() -> None:
 
 
 def test_a_vessel_is_lame_by_either_side() -> None:
-    pilot = Pilot([vessel_model(load_vessel("forager"))], None, 3)
-    state = pilot._fleets.state
-    state["port_loss"][:, 0], state["starboard_loss"][:, 0] = (0.7, 0.0, 0.5), (0.0, 0.7, 0.5)
-    assert pilot.lame[:, 0].tolist() == [True, True, False]
+    s = blank()
+    for s.port_loss, s.starboard_loss, lame in (
+        (0.7, 0.0, True),
+        (0.0, 0.7, True),
+        (0.5, 0.5, False),
+    ):
+        assert is_lame(s) == lame

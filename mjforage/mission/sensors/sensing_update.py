@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.device import Launch
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.dynamics import Transition
 from mjforage.mission.knowledge import Knowledge, Scans, receive
 from mjforage.mission.ledger import Ledger, count, credit
 from mjforage.mission.sensors.map_filter import MapFilter, add_scan, correct, round_off
@@ -100,7 +101,7 @@ class SensingUpdate:
         ledger, knowledge : of the ledger and of the fleet together, changed by every scan
         filtered : what the fleet makes of counts, the same
         """
-        items = ledger.t_discovered.shape[1]
+        items, self._perfect = ledger.t_discovered.shape[1], sensors.perfect
         config = SensorConfig(
             task.views,
             task.radius_number,
@@ -115,6 +116,11 @@ class SensingUpdate:
         else:
             sees = sensing(sensors, task, keys, items)
             self._scan = BoundKernel(_sense_imperfectly, config, sees, filtered, ledger, knowledge)
+
+    def on_device(self, bind: Bind, scans: Scans, state: Transition) -> Call:
+        """`scan` by a kernel on a device, of the items of a state."""
+        launch = SENSE_PERFECTLY if self._perfect else SENSE_IMPERFECTLY
+        return bind(launch, *self._scan.fixed, scans, state.item_node, state.collected_by)
 
     def scan(self, scans: Scans, item_node: Int32Array, taken_by: NDArray[np.int16]) -> None:
         """Take in the end of a step.

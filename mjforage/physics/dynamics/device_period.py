@@ -6,7 +6,7 @@ them the host knows where all is; in between nothing is copied, but for frames o
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,11 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.controllers import Pilot
 from mjforage.forcing import Forcing
 from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.mission.dynamics import Transition
+from mjforage.mission.item_rule import COLLECT
+from mjforage.mission.moves import Moves
+from mjforage.mission.task import IDLE
 from mjforage.physics.dynamics.camera import Camera
 from mjforage.physics.dynamics.collecting import (
     COLLECT_AT_MOUTH,
@@ -29,13 +33,16 @@ from mjforage.physics.dynamics.collecting import (
     Sent,
 )
 from mjforage.physics.dynamics.faults import LOSE, Failures
+from mjforage.physics.dynamics.item_bodies import READ_ITEMS
 from mjforage.physics.dynamics.period_monitor import (
+    JUDGE,
     MONITOR,
     MonitorSetup,
     Motion,
     PeriodRecord,
     Tick,
 )
+from mjforage.physics.dynamics.settling import LOAD_VESSELS, SETTLE, Ground
 from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS
 from mjforage.physics.dynamics.tracks import LOOK_OUT, TRACKED, ItemTracks, LandGrid
 from mjforage.physics.positioning import Positioning
@@ -45,6 +52,13 @@ from mjforage.physics.warp_simulation import WarpSimulation
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Calls = tuple[Call, ...]
+
+
+class Berths(NamedTuple):
+    """Where vessels lie in each node, and its middle, (node, 2) each [m]."""
+
+    berth_xy: FloatArray
+    centre_xy: FloatArray
 
 
 @dataclass(frozen=True)
@@ -72,6 +86,8 @@ class Parts:
     mouths: Mouths
     tracks: ItemTracks
     collects: BoolArray
+    ground: Ground
+    berths: Berths
     ticks: int  # of a period
     substeps: int  # of a tick
 
@@ -158,26 +174,59 @@ def _remove(
                     q[e, k, axis], v[e, k, axis] = parking[k, axis], 0.0
 
 
+@kernel
+def _send(
+    berths: Berths,
+    active: BoolArray,
+    moves: Moves,
+    state: Transition,
+    origin: FloatArray,
+    target: FloatArray,
+    sent: Sent,
+    record: PeriodRecord,
+) -> None:
+    """Write the orders of a decision, and begin its record."""
+    for e in range(active.size):
+        for v in range(origin.shape[1]):
+            to, here = moves.target[e, v], state.agent_node[e, v]
+            sent.stay[e, v] = moves.direction[e, v] == STAY
+            for axis in range(2):
+                origin[e, v, axis] = berths.berth_xy[here, axis]
+                target[e, v, axis] = berths.berth_xy[to, axis]
+                sent.node_xy[e, v, axis] = berths.centre_xy[to, axis]
+            if active[e]:
+                state.pickup[e, v] = IDLE
+                record.arrived[e, v] = record.blocked[e, v] = False
+                record.hindered_s[e, v] = record.travelled_m[e, v] = record.impact_mps[e, v] = 0.0
+
+
+SEND = Launch(_send, shared="berths")
 NOTE, COUNT, READ_PLACES = Launch(_note), Launch(_count), Launch(_read_places)
 SHIFT, ADD, SHOW_ALL = Launch(_shift), Launch(_add), Launch(_show_all)
 REMOVE = Launch(_remove, shared="parking")
 
 
 class DevicePeriod:
-    """The ticks of a decision, bound to a batch; made anew when episodes of it start."""
+    """The ticks of a decision, bound to a batch; made anew when episodes of it start.
+
+    Attributes
+    ----------
+    active : (episode,) those that go on, of the host
+    hulls : the vessels on the device
+    """
 
     def __init__(self, parts: Parts) -> None:
         """Bind all kernels to the parts' arrays, which the device then has as well."""
         self._parts, simulation = parts, parts.simulation
-        self._hulls = simulation.hulls
-        self._hulls.renew()
+        self.hulls = simulation.hulls
+        self.hulls.renew()
         episodes, vessels = parts.tick.size, len(parts.collects)
         places = np.zeros((episodes, vessels, 2))
-        self._active, self._target = np.zeros(episodes, np.bool_), places
+        self.active, self._target = np.zeros(episodes, np.bool_), places
         self._sent = Sent(places.copy(), np.zeros((episodes, vessels), np.bool_))
         self._now_s, self._xy = np.zeros(episodes), np.zeros((episodes, simulation.items, 2))
         state = parts.state
-        shared = self._active, self._target, *self._sent, *parts.pilot.arrays, *parts.record
+        shared = self.active, self._target, *self._sent, *parts.pilot.arrays, *parts.record
         of_items = state.pickup, state.item_node, state.collected_by, parts.room_left
         self._exchanged = [*shared, *of_items, *parts.motion, parts.tick, simulation.load]
         self._exchanged += simulation.arrays
@@ -185,7 +234,7 @@ class DevicePeriod:
 
     def _calls(self) -> tuple[Calls, Calls, Calls]:
         """What comes before all ticks, a tick with new weather and goals, and one without."""
-        p, bind, active = self._parts, self._hulls.bind, self._active
+        p, bind, active = self._parts, self.hulls.bind, self.active
         about = p.keys, p.tick, p.motion.pose, p.motion.velocity
         measure, seen = p.positioning.on_device(bind, *about)  # type: ignore[attr-defined]
         locate, pose, velocity = p.pilot.locating(bind, active, *seen)
@@ -207,11 +256,11 @@ class DevicePeriod:
 
     def _read_places(self) -> Call:
         afloat, shift_s = self._parts.simulation.afloat, self._parts.simulation.shift_s
-        return self._hulls.bind(READ_PLACES, afloat.q, afloat.v, shift_s, self._xy)
+        return self.hulls.bind(READ_PLACES, afloat.q, afloat.v, shift_s, self._xy)
 
     def _felt(self) -> Calls:
         """Wind and water of the moment, and thrust that is lost."""
-        p, bind, simulation = self._parts, self._hulls.bind, self._parts.simulation
+        p, bind, simulation = self._parts, self.hulls.bind, self._parts.simulation
         winds = simulation.vessel_wind, simulation.vessel_water
         felt = p.forcing.on_device(bind, self._now_s, p.motion.pose, *winds)
         if p.failures is not None:
@@ -229,7 +278,7 @@ class DevicePeriod:
 
     def _sought(self, seeking: FloatArray) -> Calls:
         """Items for the pilots, from poses (episode, vessel, 3)."""
-        p, bind, active = self._parts, self._hulls.bind, self._active
+        p, bind, active = self._parts, self.hulls.bind, self.active
         if p.reach is None:
             return ()
         known = np.zeros((*p.attempts.item.shape, *self._xy.shape[1:]))
@@ -242,7 +291,7 @@ class DevicePeriod:
 
     def _steered(self, pose: FloatArray, velocity: FloatArray) -> Calls:
         """Command, step, take note, collect."""
-        p, bind, active = self._parts, self._hulls.bind, self._active
+        p, bind, active = self._parts, self.hulls.bind, self.active
         simulation = p.simulation
         command = p.pilot.commanding(bind, active, pose, velocity, simulation.commands)
         calls = (command, *simulation.calls(active) * p.substeps)
@@ -262,15 +311,16 @@ class DevicePeriod:
         if p.bodies:
             calls += (self._read_places(),)
         if p.reach is not None:
-            afloat = simulation.afloat
             about = p.reach, active, p.motion.pose, self._xy, p.room_left, p.state, p.mouths
-            parked = parking_xy(simulation.items), afloat.kind, afloat.q, afloat.v
-            calls += (
-                bind(COLLECT_AT_MOUTH, *about, self._now_s),
-                bind(REMOVE, p.state.item_node, *parked),
-                self._read_places(),
-            )
+            calls += (bind(COLLECT_AT_MOUTH, *about, self._now_s), *self._removed())
         return calls
+
+    def _removed(self) -> Calls:
+        """Take collected items off the water."""
+        p, afloat = self._parts, self._parts.simulation.afloat
+        parked = parking_xy(p.simulation.items), afloat.kind, afloat.q, afloat.v
+        remove = self.hulls.bind(REMOVE, p.state.item_node, *parked)
+        return remove, self._read_places()
 
     def run(
         self, active: BoolArray, target: FloatArray, sent: Sent, record: Callable[[], None] | None
@@ -285,30 +335,49 @@ class DevicePeriod:
         target : (episode, vessel, 2) [m]
         record : is called every `WEATHER_TICKS` between the first tick and the last
         """
-        orders = self._active, self._target, *self._sent
+        orders = self.active, self._target, *self._sent
         for own, new in zip(orders, (active, target, *sent), strict=True):
             own[:] = new
         for array in self._exchanged:
-            self._hulls.arrays.send(array)
+            self.hulls.arrays.send(array)
         interval = (*self._first, *self._other * (WEATHER_TICKS - 1))
-        self._hulls.run(self._start)
+        self.hulls.run(self._start)
         for past in range(self._parts.ticks // WEATHER_TICKS):
             if record is not None and past:
                 self._fetch(self._exchanged)
                 record()
-            self._hulls.run(interval)
-        self._hulls.wait()
+            self.hulls.run(interval)
+        self.hulls.wait()
         self._fetch(self._exchanged)
         self._parts.simulation.check(active)
 
     @property
     def memory_bytes(self) -> int:
         """Memory of an episode on the device, without that of single threads."""
-        return self._hulls.memory_bytes
+        return self.hulls.memory_bytes
 
     def _fetch(self, arrays: list[NDArray[Any]]) -> None:
         for array in arrays:
-            self._hulls.arrays.fetch(array)
+            self.hulls.arrays.fetch(array)
+
+    def deciding(self, moves: Moves) -> Calls:
+        """Calls that carry out moves of the episodes that are `active`, all of it on the device."""
+        p, bind, active, state = self._parts, self.hulls.bind, self.active, self._parts.state
+        origin = np.zeros_like(self._target)
+        orders = origin, self._target, self._sent
+        interval = (*self._first, *self._other * (WEATHER_TICKS - 1))
+        calls = [
+            bind(SEND, p.berths, active, moves, state, *orders, p.record),
+            p.pilot.ordering(bind, active, origin, self._target, self._sent.stay),
+            *self._start,
+            *interval * (p.ticks // WEATHER_TICKS),
+            bind(SETTLE, p.ground, active, p.motion.pose, p.record, p.pilot.arrays[0], state),
+            bind(JUDGE, active, moves.blocked, p.record, state.outcome),
+            bind(READ_ITEMS, active, self._xy, p.ground.water, p.ground.pitch_m, state),
+        ]
+        if p.reach is None:
+            calls += [bind(COLLECT, active, p.collects, p.room_left, state), *self._removed()]
+        return *calls, bind(LOAD_VESSELS, p.ground, active, p.room_left, p.simulation.load)
 
     def end(self) -> None:
         """Have the host know all that the device does, before the host changes it.
@@ -316,5 +385,5 @@ class DevicePeriod:
         What the host has been told after the ticks it may have written since.
         """
         told = {id(array) for array in (*self._exchanged, *self._parts.state)}
-        every = self._hulls.arrays.arrays
+        every = self.hulls.arrays.arrays
         self._fetch([one for one in every if one.flags.writeable and id(one) not in told])

@@ -20,7 +20,7 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.mission.capture_chances import pickup_of
 from mjforage.mission.dynamics import NOBODY, Transition, start_state
-from mjforage.mission.initial_state import InitialState, nearest_nodes
+from mjforage.mission.initial_state import InitialState
 from mjforage.mission.item_classes import draw_classes, leeways
 from mjforage.mission.item_rule import collect, item_rule
 from mjforage.mission.moves import Moves
@@ -54,6 +54,7 @@ from mjforage.physics.dynamics.period_monitor import (
     judge,
     monitor,
 )
+from mjforage.physics.dynamics.settling import Ground, load_vessels, settle
 from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS, whole_times
 from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid, look_out, tracked
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
@@ -128,6 +129,7 @@ class MujocoDynamics:
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
         room, most = turn_of(self._size), int(fleet.moves.max())
+        self._ground = Ground(graph.water, graph.pitch_m, fleet.capacity)
         self._berths_xy = berths(*self._grid, self._centres_xy, room, most)
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
@@ -250,11 +252,8 @@ class MujocoDynamics:
         state.pickup[active] = IDLE
         recorded = self._trajectory is not None and bool(active[0])
         if self._choice.device != "cpu":
-            if self._on_device is None:
-                self._on_device = self._moved()
-            self._on_device.run(
-                active, target, Sent(nodes, stay), self._record if recorded else None
-            )
+            record = self._record if recorded else None
+            self.on_device().run(active, target, Sent(nodes, stay), record)
             self._end_period(active, step, moves, recorded)
             return state
         with warnings_suppressed():  # entered once for all ticks
@@ -280,11 +279,16 @@ class MujocoDynamics:
         self._settle(active, step, moves)
         if recorded:
             self._record()
-        self._simulation.load[active] = self._fleet.capacity - self._room_left[active]
+        load_vessels(self._ground, active, self._room_left, self._simulation.load)
+
+    def on_device(self) -> "DevicePeriod":
+        """The ticks of a period on the device, which then has all of the batch."""
+        if self._on_device is None:
+            self._on_device = self._moved()
+        return self._on_device
 
     def _moved(self) -> "DevicePeriod":
-        """The ticks of a period on the device, which then has all of the batch."""
-        from mjforage.physics.dynamics.device_period import DevicePeriod, Parts
+        from mjforage.physics.dynamics.device_period import Berths, DevicePeriod, Parts
 
         return DevicePeriod(
             Parts(
@@ -309,6 +313,8 @@ class MujocoDynamics:
                 mouths=self._mouths,
                 tracks=self._tracks,
                 collects=self._fleet.collects,
+                ground=self._ground,
+                berths=Berths(self._berths_xy, self._centres_xy),
                 ticks=self._ticks,
                 substeps=self._substeps,
             )
@@ -434,18 +440,8 @@ class MujocoDynamics:
     def _settle(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> None:
         """Write the period's end into the state."""
         state, record, graph = self._state, self._period, self._graph
-        pose = self._motion.pose[active]
-        way = record.travelled_m[active] / graph.pitch_m
-        state.agent_rc[active] = graph.row_column(pose[..., :2])
-        state.agent_node[active] = nearest_nodes(graph.water, state.agent_rc[active])
-        state.agent_yaw[active] = pose[..., 2]
-        state.agent_speed[active] = way
-        state.distance[active] += way
-        state.energy[active] += way
-        state.collisions[active] = record.collisions[active]
-        state.impact[active] = record.impact_mps[active]
-        state.work[active] = record.work_j[active]
-        state.disabled[active] = self._pilot.lame[active]
+        pilots = self._pilot.arrays[0]
+        settle(self._ground, active, self._motion.pose, record, pilots, state)
         judge(active, moves.blocked, record, state.outcome)
         if self._rule is not None:
             self._rule.advance(active, step)
