@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel, kinds_of
-from mjforage.base.device import Launch
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.graph_planner.encodings.chart import COARSE, REACH, Chart
 from mjforage.graph_planner.encodings.encoder import (
     TOP,
@@ -290,6 +290,21 @@ class Egocentric:
         global_map = self._out["global_map"].reshape(*lead, len(GLOBAL_MAP), -1)
         self._pictures = Pictures(local_map, global_map, self._out["moves"], self._out["own"])
         self._asked: tuple[object, ...] = ()  # of the last look, for whose kinds it is prepared
+
+    @property
+    def fits_a_device(self) -> bool:
+        """True if the map is small enough for a table of all distances."""
+        return bool(self._chart.codes.code.size)
+
+    def on_device(
+        self, bind: Bind, ids: NDArray[np.bool_], seen: Observation
+    ) -> tuple[Call, dict[str, Levels]]:
+        """`see` of the rows that a mask (row,) then has, by a kernel, and the arrays it fills."""
+        about = self._task.arrays, self._around, self._chart, self._memory
+        memory = self._fields, self._distances, self._pictures
+        return bind(LOOK_AROUND, *about, *memory, ids, seen), dict(
+            zip(self.shapes, self._pictures, strict=True)
+        )
 
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
         """Look at the episodes `rows` of the batch."""

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.base.device import Bind, Call
 from mjforage.base.errors import UserError
 from mjforage.base.registry import Registry, built
 from mjforage.graph_planner.graph.geodesics import Int32Array
@@ -44,6 +45,23 @@ class Encoder(Protocol):
         Returns: name -> `(episode, agent, *shape)` uint8; live arrays, in which other episodes keep
         what they had. Looking twice at one step changes nothing.
         """
+        ...
+
+
+class DeviceEncoder(Encoder, Protocol):
+    """An encoder that a device can run as well.
+
+    Attributes
+    ----------
+    fits_a_device : whether it can on this map
+    """
+
+    fits_a_device: bool
+
+    def on_device(
+        self, bind: Bind, ids: NDArray[np.bool_], seen: Observation
+    ) -> tuple[Call, dict[str, Levels]]:
+        """`see` of the rows that a mask (row,) then has, by a kernel, and the arrays it fills."""
         ...
 
 

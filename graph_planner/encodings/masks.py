@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, inlined, kernel
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.mission.moves import free_move, move_length
@@ -79,6 +80,9 @@ def _legal(
             out[e, a, STAY] |= not found
 
 
+LEGAL = Launch(_legal, shared="arrays")
+
+
 class LegalMoves:
     """Moves that are legal whatever the others choose, of one task.
 
@@ -87,6 +91,16 @@ class LegalMoves:
 
     def __init__(self, task: Task) -> None:
         self._legal = BoundKernel(_legal, task.arrays)
+
+    def on_device(
+        self,
+        bind: Bind,
+        agent_node: Int32Array,
+        energy_left: NDArray[np.float64],
+        out: NDArray[np.bool_],
+    ) -> Call:
+        """The same by a kernel on a device, which writes to `out` (episode, agent, 9)."""
+        return bind(LEGAL, *self._legal.fixed, agent_node, energy_left, out)
 
     def __call__(
         self, agent_node: Int32Array, energy_left: NDArray[np.float64]

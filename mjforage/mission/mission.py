@@ -5,19 +5,29 @@ Decide -> move -> collect -> drift -> sense -> exchange -> log.
 
 import copy
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import BoundKernel
+from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array, episode_keys
 from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.base.views import CachedViews, read_only, view_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
-from mjforage.mission.dynamics import Dynamics, Transition, goes_on, mean_drift, taken_by
+from mjforage.mission.dynamics import (
+    COUNT_TAKEN,
+    GOES_ON,
+    Dynamics,
+    Transition,
+    goes_on,
+    mean_drift,
+    taken_by,
+)
 from mjforage.mission.exchange import Exchange
 from mjforage.mission.forecasts import Forecasts
 from mjforage.mission.graph_dynamics import GraphDynamics
@@ -28,7 +38,7 @@ from mjforage.mission.link import exchange_of
 from mjforage.mission.moves import Moves
 from mjforage.mission.observing import Observing
 from mjforage.mission.policy import Policy, UpperBound
-from mjforage.mission.resolver import Resolver, check_preferences
+from mjforage.mission.resolver import Ask, Resolver, check_preferences
 from mjforage.mission.sensors.sensing import map_filter, no_shown
 from mjforage.mission.sensors.sensing_update import SensingUpdate
 from mjforage.mission.setup import Setup
@@ -36,6 +46,55 @@ from mjforage.mission.stores import Stores
 from mjforage.mission.task import NEVER, GroundTruth, Observation
 
 _ONE = np.ones(1, np.int32)
+
+
+class DeviceWorld(Protocol):
+    """A world whose hulls and items are on a device, see `physics.dynamics.device_period`."""
+
+    active: NDArray[np.bool_]
+
+    @property
+    def bind(self) -> Bind:
+        """Binds kernels to arrays of the host, or to what these are on the device."""
+        ...
+
+    def deciding(self, moves: Moves) -> tuple[Call, ...]:
+        """Calls that carry out moves of the active episodes."""
+        ...
+
+
+@dataclass(frozen=True)
+class DeviceMission:
+    """A batch of episodes on a device, by arrays of the host that stand for those there.
+
+    Attributes
+    ----------
+    calls : a decision by `preferences` (episode, agent, 9)
+    seen : what is known in common
+    knowledge, state, ledger : all that changes
+    active, step, moves : (episode, ...) as of `Mission`
+    """
+
+    calls: tuple[Call, ...]
+    preferences: NDArray[np.float64]
+    seen: Observation
+    knowledge: Knowledge
+    state: Transition
+    ledger: Ledger
+    active: NDArray[np.bool_]
+    step: Int32Array
+    moves: Moves
+
+
+@kernel
+def _count_step(active: NDArray[np.bool_], step: Int32Array, following: Int32Array) -> None:
+    """Count a decision of the active episodes."""
+    for e in range(active.size):
+        step[e] += active[e]
+        following[e] = step[e] + 1
+
+
+COUNT_STEP = Launch(_count_step)
 
 
 class Mission:
@@ -334,6 +393,41 @@ class Mission:
         self._go_on(self.active, self.step, item_node, going)
         self.active = view_of(going)
         return self.state
+
+    @property
+    def dynamics(self) -> Dynamics:
+        """The world that it runs in."""
+        return self._dynamics
+
+    def on_device(self, world: DeviceWorld) -> DeviceMission:
+        """The batch in a world on a device, of ideal communication; see `came_back`."""
+        bind, active, state, known = world.bind, world.active, self._state, self._knowledge
+        active[:], step, following = self.active, self.step.copy(), self._next_step.copy()
+        shape, moves = state.agent_node.shape, Moves.of(state.agent_node.shape)
+        preferences, energy = np.zeros((*shape, 9)), np.zeros(shape)
+        room, taken = np.zeros((2, *shape), np.int64)
+        alone = np.zeros(shape[1], np.int64)
+        about = state.agent_node, known.energy_left, known.belief, alone, following, self.keys
+        scans = self._scans()._replace(
+            active=active, step=step, energy_left=energy, room_left=room, taken=taken
+        )
+        seen = self._observing.common((active, following, self.keys), known)
+        calls = (
+            self._resolver.on_device(bind, Ask(active, preferences, *about), moves),
+            bind(COUNT_STEP, active, step, following),
+            *world.deciding(moves),
+            bind(COUNT_TAKEN, state.collected_by, taken),
+            self._stores.on_device(bind, state, taken, energy, room),
+            self._sensing_update.on_device(bind, scans, state),
+            bind(GOES_ON, self.setup.scenario.horizon, active, step, state.item_node, active),
+        )
+        changed = known, state, self._ledger, active, step, moves
+        return DeviceMission(calls, preferences, seen, *changed)
+
+    def came_back(self, device: DeviceMission) -> None:
+        """Take in how far decisions on a device have come."""
+        self._begin_step(device.step.copy())
+        self.active, self._moves = view_of(device.active.copy()), device.moves
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
         """Play the batch to its end, showing every state to the observers."""

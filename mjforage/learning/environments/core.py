@@ -136,11 +136,9 @@ class EnvironmentCore:
         """
         mission, played = self.mission, self.mission.active.copy()
         wanted = preferences.argmax(axis=-1) if wanted is None else wanted
-        self._terms.before(mission)
-        mission.advance(preferences)
+        raw = self._advance(preferences, played)
         assert mission.moves is not None, "a mission that has advanced has moved"
         taken = mission.moves.direction
-        raw = self._terms.after(mission, played)
         terms = {name: self._weights[name] * value for name, value in raw.items()}
         rewards = sum(terms.values(), np.zeros(taken.shape))
         for name, value in terms.items():
@@ -148,6 +146,14 @@ class EnvironmentCore:
         exhausted, left = self.exhausted, mission.state.item_node
         ends = _how_it_ended(played, mission.active, wanted, taken, exhausted, left)
         return Outcome(terms, rewards, *ends, exhausted, taken, self._sums)
+
+    def _advance(
+        self, preferences: NDArray[np.float64], played: NDArray[np.bool_]
+    ) -> dict[str, NDArray[np.float64]]:
+        """One decision; the terms of the reward (env, agent), 0 where nothing was played."""
+        self._terms.before(self.mission)
+        self.mission.advance(preferences)
+        return self._terms.after(self.mission, played)
 
     @property
     def exhausted(self) -> NDArray[np.bool_]:

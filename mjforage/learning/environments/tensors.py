@@ -7,7 +7,9 @@ import numpy as np
 
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
+from mjforage.graph_planner.encodings.encoder import TOP
 from mjforage.learning.environments.choices import Overrides, override_texts
+from mjforage.learning.environments.spaces import MASK
 from mjforage.scenario.scenario import Device
 
 TORCH_NAMES = {"cpu": "cpu", "warp-cpu": "cpu", "cuda": "cuda"}
@@ -39,6 +41,17 @@ class Tensors:
         if isinstance(value, torch.Tensor):
             return value
         return torch.as_tensor(np.array(value)).to(self._name)
+
+    def shown(self, levels: Mapping[str, Any], masks: Any, dtype: str) -> dict[str, Any]:
+        """An observation of levels uint8 and masks, wherever they are, in memory of its own."""
+        import torch
+
+        seen = {}
+        for name, level in levels.items():
+            there = torch.as_tensor(level).to(self._name)
+            whole = dtype == "uint8"
+            seen[name] = there.clone() if whole else there.to(torch.float32) * (1.0 / TOP)
+        return {**seen, MASK: torch.as_tensor(masks).to(self._name).clone()}
 
 
 def on_host(value: Any) -> Any:

@@ -71,7 +71,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
-        self._core = EnvironmentCore(options, num_envs, threads=threads)
+        self._core = _core_of(options, num_envs, threads)
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
         self._rows = np.arange(num_envs)
@@ -178,6 +178,8 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
     def _observed(self) -> Arrays:
         """Observations of all sub-environments; in new memory if the user wants it."""
         levels = self._core.see(self._rows)
+        if self._tensors is not None:
+            return self._tensors.shown(levels, self._core.masks, self._dtype)
         seen = {name: self._shown(name, level) for name, level in levels.items()}
         return {**seen, MASK: self._core.masks}
 
@@ -187,7 +189,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         On a device those of all, as `_observed`.
         """
         if self._tensors is not None:
-            return cast(Arrays, self._tensors.of(self._observed()))
+            return self._observed()
         levels, masks = self._core.see(self._rows), self._core.masks
         last = np.full(self.num_envs, None, np.object_)
         for i in np.flatnonzero(over):
@@ -218,3 +220,15 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         for name, fact in facts.items():
             info[name], info["_" + name] = fact, valid.copy()
         return info
+
+
+def _core_of(options: EnvironmentOptions, num_envs: int, threads: int) -> EnvironmentCore:
+    """Sub-environments, on the device of their hulls if they can all be there."""
+    core = EnvironmentCore
+    if options.setup.scenario.physics.device != "cpu" and options.world != "graph":
+        from mjforage.learning.environments.device_core import DeviceCore
+
+        core = DeviceCore
+    made = core(options, num_envs, threads=threads)
+    there = getattr(made, "fits", True) and options.render_mode is None
+    return made if there else EnvironmentCore(options, num_envs, threads=threads)

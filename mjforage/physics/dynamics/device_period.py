@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.device import Call, Launch
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.base.randomness import UInt64Array
 from mjforage.controllers import Pilot
 from mjforage.forcing import Forcing
@@ -231,6 +231,7 @@ class DevicePeriod:
         self._exchanged = [*shared, *of_items, *parts.motion, parts.tick, simulation.load]
         self._exchanged += simulation.arrays
         self._start, self._first, self._other = self._calls()
+        self._ran = False  # whether the host has written after ticks of the device
 
     def _calls(self) -> tuple[Calls, Calls, Calls]:
         """What comes before all ticks, a tick with new weather and goals, and one without."""
@@ -349,6 +350,7 @@ class DevicePeriod:
             self.hulls.run(interval)
         self.hulls.wait()
         self._fetch(self._exchanged)
+        self._ran = True
         self._parts.simulation.check(active)
 
     @property
@@ -359,6 +361,18 @@ class DevicePeriod:
     def _fetch(self, arrays: list[NDArray[Any]]) -> None:
         for array in arrays:
             self.hulls.arrays.fetch(array)
+
+    @property
+    def bind(self) -> Bind:
+        """Binds kernels to arrays of the host, or to what these are on the device."""
+        return self.hulls.bind
+
+    def check(self) -> None:
+        """Wait for all calls, and refuse what has no place any more; raises `InstabilityError`."""
+        self.hulls.wait()
+        simulation = self._parts.simulation
+        self._fetch(list(simulation.arrays))
+        simulation.check(self.active)
 
     def deciding(self, moves: Moves) -> Calls:
         """Calls that carry out moves of the episodes that are `active`, all of it on the device."""
@@ -384,6 +398,6 @@ class DevicePeriod:
 
         What the host has been told after the ticks it may have written since.
         """
-        told = {id(array) for array in (*self._exchanged, *self._parts.state)}
+        told = {id(array) for array in (*self._exchanged, *self._parts.state) if self._ran}
         every = self.hulls.arrays.arrays
         self._fetch([one for one in every if one.flags.writeable and id(one) not in told])

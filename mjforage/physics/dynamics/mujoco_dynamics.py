@@ -281,6 +281,12 @@ class MujocoDynamics:
             self._record()
         load_vessels(self._ground, active, self._room_left, self._simulation.load)
 
+    @property
+    def may_decide_on_device(self) -> bool:
+        """True if whole decisions can be carried out there: with bodies, and nothing recorded."""
+        there = self._choice.device != "cpu"
+        return there and self._bodies and self._trajectory is None
+
     def on_device(self) -> "DevicePeriod":
         """The ticks of a period on the device, which then has all of the batch."""
         if self._on_device is None:

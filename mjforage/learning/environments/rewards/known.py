@@ -1,17 +1,28 @@
 """Registry of terms: ours, those of installed packages, and any by `package.module:Class`."""
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.base.device import Bind, Call
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.base.registry import Registry, built, is_ours
 from mjforage.base.views import CachedViews
 from mjforage.graph_planner.graph.geodesics import Workspace
-from mjforage.learning.environments.rewards.term import Amounts, Before, Step, Term
+from mjforage.learning.environments.rewards.term import (
+    COPY,
+    Amounts,
+    Before,
+    DeviceStep,
+    DeviceTerm,
+    Step,
+    Term,
+)
+from mjforage.mission.dynamics import Transition
+from mjforage.mission.ledger import Ledger
 from mjforage.mission.mission import Mission
 from mjforage.mission.task import Task
 
@@ -72,6 +83,23 @@ class RewardTerms:
             np.copyto(mine, theirs)
         self._before = self._views.of(copied)
         return self._before
+
+    @property
+    def on_host_only(self) -> list[str]:
+        """Terms that no device computes."""
+        return [name for name, term in self._terms.items() if not hasattr(term, "on_device")]
+
+    def on_device(
+        self, bind: Bind, state: Transition, ledger: Ledger, after: Before
+    ) -> tuple[Call, tuple[Call, ...], dict[str, Amounts]]:
+        """`before` and `after` by kernels on a device, of live arrays, and what these write."""
+        copied = Before._make(map(np.zeros_like, after))
+        about = state, ledger, self._task, self._workspace, self._turns
+        step, calls = DeviceStep(copied, after, *about), list[Call]()
+        found = {name: np.zeros(state.agent_node.shape) for name in self._terms}
+        for name, term in self._terms.items():
+            calls += cast(DeviceTerm, term).on_device(bind, step, found[name])
+        return bind(COPY, after, copied), tuple(calls), found
 
     def after(self, mission: Mission, played: NDArray[np.bool_]) -> dict[str, Amounts]:
         """Terms of the step just made: name -> (episode, agent), 0 for episodes not played.

@@ -10,11 +10,13 @@ truncation it stays, as the value from which learners go on there does.
 """
 
 from abc import ABC, abstractmethod
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.graph_planner.graph.geodesics import (
     FAR,
     Float32Array,
@@ -24,7 +26,7 @@ from mjforage.graph_planner.graph.geodesics import (
     spread,
 )
 from mjforage.learning.environments.rewards.known import reward
-from mjforage.learning.environments.rewards.term import Amounts, Before, Step
+from mjforage.learning.environments.rewards.term import Amounts, Before, DeviceStep, Step
 from mjforage.mission.ledger import Ledger
 from mjforage.mission.task import TaskArrays
 
@@ -38,6 +40,43 @@ def _ongoing(step: Step) -> list[NDArray[np.bool_]]:
         (at.item_node >= 0).any(axis=1, keepdims=True) & ~step.task.exhausted(at.energy_left)
         for at in (step.before, step.after)
     ]
+
+
+class Gains(NamedTuple):
+    """Potentials before and after a step, and whether it went on then, (episode, agent) each."""
+
+    before: Amounts
+    after: Amounts
+    began: Amounts  # 1 or 0
+    goes_on: Amounts
+
+
+@kernel
+def _find_ongoing(
+    item_node: Int32Array,
+    energy_left: NDArray[np.float64],
+    least: NDArray[np.int64],
+    out: Amounts,
+) -> None:
+    """Write 1 for agents whose episode is not over, else 0."""
+    for e in range(item_node.shape[0]):
+        left = False
+        for k in range(item_node.shape[1]):
+            left |= item_node[e, k] >= 0
+        for a in range(least.size):
+            out[e, a] = 1.0 if left and energy_left[e, a] >= least[a] else 0.0
+
+
+@kernel
+def _gain(gamma: float, gains: Gains, out: Amounts) -> None:
+    """Write what potentials gained, discounted."""
+    for e in range(out.shape[0]):
+        for a in range(out.shape[1]):
+            after = gamma * (gains.after[e, a] * gains.goes_on[e, a])
+            out[e, a] = after - gains.before[e, a] * gains.began[e, a]
+
+
+ONGOING, GAIN = Launch(_find_ongoing, shared="least"), Launch(_gain)
 
 
 class Potential(ABC):
@@ -59,6 +98,18 @@ class Potential(ABC):
     def value(self, step: Step, at: Before) -> Amounts:
         """(episode, agent) the potential of a state."""
 
+    def on_device(self, bind: Bind, step: DeviceStep, out: Amounts) -> tuple[Call, ...]:
+        """The same by kernels, which write to `out` (episode, agent)."""
+        calls, gains = [], Gains(*np.zeros((4, *out.shape)))
+        for at, value, ongoing in zip((step.before, step.after), gains[:2], gains[2:], strict=True):
+            calls.append(self.valued(bind, step, at, value))
+            calls.append(bind(ONGOING, at.item_node, at.energy_left, step.least, ongoing))
+        return *calls, bind(GAIN, self._gamma**step.turns, gains, out)
+
+    @abstractmethod
+    def valued(self, bind: Bind, step: DeviceStep, at: Before, out: Amounts) -> Call:
+        """`value` by a kernel, which writes to `out` (episode, agent)."""
+
 
 @kernel
 def _known(ledger: Ledger, item_node: Int32Array, step: Int32Array, out: Amounts) -> None:
@@ -70,7 +121,11 @@ def _known(ledger: Ledger, item_node: Int32Array, step: Int32Array, out: Amounts
             items += item_node[e, k] >= 0 or taken[e, k] >= 0
             if item_node[e, k] >= 0 and 0 <= found[e, k] <= step[e] and by[e, k] >= 0:
                 out[e, by[e, k]] += 1.0
-        out[e] /= max(items, 1)
+        for a in range(out.shape[1]):
+            out[e, a] /= max(items, 1)
+
+
+KNOWN = Launch(_known)
 
 
 @reward("known")
@@ -83,6 +138,23 @@ class Known(Potential):
         _known(step.mission.ledger, at.item_node, at.step, out)
         return out
 
+    def valued(self, bind: Bind, step: DeviceStep, at: Before, out: Amounts) -> Call:
+        """By a kernel on a device."""
+        return bind(KNOWN, step.ledger, at.item_node, at.step, out)
+
+
+class Found(NamedTuple):
+    """Discovered items of an episode; memory."""
+
+    nodes: Int32Array  # (item,)
+    nearest: NDArray[np.float64]  # (item,) distance of a collector [node]
+    whose: NDArray[np.int64]  # (item,) its number
+
+    @classmethod
+    def of(cls, items: int) -> "Found":
+        """Memory for so many items."""
+        return cls(np.zeros(items, np.int32), np.zeros(items), np.zeros(items, np.int64))
+
 
 @kernel
 def _within_reach(
@@ -90,16 +162,20 @@ def _within_reach(
     ledger: Ledger,
     item_node: Int32Array,
     agent_node: Int32Array,
-    able: NDArray[np.bool_],
+    energy_left: NDArray[np.float64],
+    least: NDArray[np.int64],
     step: Int32Array,
     decay: float,
     workspace: Workspace,
+    found: Found,
     out: Amounts,
 ) -> None:
-    """Discovered items, by collector that is nearest, each decay^distance, over all items."""
+    """Discovered items, by collector that is nearest, each decay^distance, over all items.
+
+    `least`: (agent,) energy without which it does not count [node].
+    """
     items, agents = item_node.shape[1], agent_node.shape[1]
-    nodes, nearest = np.empty(items, np.int32), np.empty(items)
-    whose = np.empty(items, np.int64)
+    nodes, nearest, whose = found.nodes, found.nearest, found.whose
     for e in range(step.size):
         out[e], n, total = 0.0, 0, 0
         for k in range(items):
@@ -109,7 +185,7 @@ def _within_reach(
                 n += 1
         nearest[:n] = FAR
         for a in range(agents):
-            if able[e, a]:
+            if arrays.collects[a] and energy_left[e, a] >= least[a]:
                 _nearer(arrays, nodes[:n], a, agent_node[e, a], workspace, nearest, whose)
         for i in range(n):
             if nearest[i] < FAR:
@@ -143,6 +219,9 @@ def _nearer(
         distance[touched[j]] = FAR
 
 
+REACH = Launch(_within_reach, shared="arrays least", memory="workspace found")
+
+
 @reward("reach")
 class WithinReach(Potential):
     """Potential of discovered items near a collector, each for the one that is nearest to it.
@@ -160,25 +239,34 @@ class WithinReach(Potential):
 
     def value(self, step: Step, at: Before) -> Amounts:
         """(episode, agent) share of all items."""
-        out = np.empty(at.agent_node.shape)
-        able = step.task.fleet.collects & ~step.task.exhausted(at.energy_left)
-        about = step.task.arrays, step.mission.ledger, at.item_node, at.agent_node, able
-        self._within_reach(*about, at.step, self._decay, step.workspace, out)
+        out, found = np.empty(at.agent_node.shape), Found.of(at.item_node.shape[1])
+        about = step.task.arrays, step.mission.ledger, at.item_node, at.agent_node
+        able = at.energy_left, step.least
+        self._within_reach(*about, *able, at.step, self._decay, step.workspace, found, out)
         return out
+
+    def valued(self, bind: Bind, step: DeviceStep, at: Before, out: Amounts) -> Call:
+        """By a kernel on a device."""
+        about = step.task.arrays, step.ledger, at.item_node, at.agent_node
+        able, found = (at.energy_left, step.least), Found.of(at.item_node.shape[1])
+        return bind(REACH, *about, *able, at.step, self._decay, step.workspace, found, out)
 
 
 @kernel
 def _freshness(
-    last_seen: NDArray[np.int16], step: Int32Array, forgetting: float
-) -> NDArray[np.float64]:
-    """(episode,) mean over nodes of 1 - idleness."""
-    out = np.empty(step.size)
+    last_seen: NDArray[np.int16], step: Int32Array, forgetting: float, out: Amounts
+) -> None:
+    """Write the mean over nodes of 1 - idleness, over the number of agents."""
     for e in range(step.size):
         total = 0.0
         for node in range(last_seen.shape[1]):
             total += min(1.0, (step[e] - np.int64(last_seen[e, node])) * forgetting)
-        out[e] = 1.0 - total / last_seen.shape[1]
-    return out
+        fresh = 1.0 - total / last_seen.shape[1]
+        for a in range(out.shape[1]):
+            out[e, a] = fresh / out.shape[1]
+
+
+FRESH = Launch(_freshness)
 
 
 @reward("fresh")
@@ -187,6 +275,10 @@ class Fresh(Potential):
 
     def value(self, step: Step, at: Before) -> Amounts:
         """(episode, agent) 1 - mean idleness, over the number of agents."""
-        agents = len(step.task.fleet)
-        fresh = _freshness(at.last_seen, at.step, step.task.forgetting)
-        return np.repeat(fresh[:, None] / agents, agents, axis=1)
+        out = np.empty(at.agent_node.shape)
+        _freshness(at.last_seen, at.step, step.task.forgetting, out)
+        return out
+
+    def valued(self, bind: Bind, step: DeviceStep, at: Before, out: Amounts) -> Call:
+        """By a kernel on a device."""
+        return bind(FRESH, at.last_seen, at.step, step.task.forgetting, out)

@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.device import Bind, Call, Launch
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.learning.environments.rewards.known import reward
-from mjforage.learning.environments.rewards.term import Amounts, Step
+from mjforage.learning.environments.rewards.term import Amounts, DeviceStep, Step
 
 
 @kernel
@@ -17,11 +18,14 @@ def _belief_changed(
     radius_number: NDArray[np.int64],
     before: NDArray[np.int16],
     after: NDArray[np.int16],
+    viewers: NDArray[np.int64],
     out: Amounts,
 ) -> None:
-    """Sum of the changes (episode, node) in view, by agent, each shared by all that see it."""
+    """Sum of the changes (episode, node) in view, by agent, each shared by all that see it.
+
+    `viewers`: (node,) memory, all 0 before and after.
+    """
     start, nodes = views.start, views.nodes
-    viewers = np.zeros(after.shape[1], np.int64)
     for e in range(agent_node.shape[0]):
         for add in (1, 0):
             for a in range(radius_number.size):
@@ -62,6 +66,10 @@ def _idleness_ended(
             out[e, a] = total
 
 
+CHANGED = Launch(_belief_changed, shared="views radius_number", memory="viewers")
+ENDED = Launch(_idleness_ended, shared="views radius_number collects")
+
+
 @reward("belief")
 class BeliefChanged:
     """Change of the belief map in view, shared where views overlap."""
@@ -73,9 +81,15 @@ class BeliefChanged:
         """(episode, agent) [item]."""
         task, at = step.task, step.mission.state.agent_node
         beliefs = step.before.belief, step.mission.knowledge.belief
-        out = np.empty(at.shape)
-        self._changed(at, task.views, task.radius_number, *beliefs, out)
+        out, viewers = np.empty(at.shape), np.zeros(len(task.graph), np.int64)
+        self._changed(at, task.views, task.radius_number, *beliefs, viewers, out)
         return out
+
+    def on_device(self, bind: Bind, step: DeviceStep, out: Amounts) -> tuple[Call, ...]:
+        """By a kernel on a device."""
+        task, viewers = step.task, np.zeros(len(step.task.graph), np.int64)
+        about = step.state.agent_node, task.views, task.radius_number
+        return (bind(CHANGED, *about, step.before.belief, step.after.belief, viewers, out),)
 
 
 @reward("idleness")
@@ -93,3 +107,9 @@ class IdlenessEnded:
         last_seen = step.before.last_seen
         self._ended(at, *about, step.mission.step, last_seen, task.forgetting, out)
         return out
+
+    def on_device(self, bind: Bind, step: DeviceStep, out: Amounts) -> tuple[Call, ...]:
+        """By a kernel on a device."""
+        task, seen = step.task, (step.after.step, step.before.last_seen)
+        about = step.state.agent_node, task.views, task.radius_number, task.fleet.collects
+        return (bind(ENDED, *about, *seen, task.forgetting, out),)

@@ -160,7 +160,10 @@ def test_an_agent_without_a_legal_move_is_blocked_and_the_others_are_not() -> No
 def test_items_count_for_the_agent_who_gets_them_in_this_step() -> None:
     agent = np.array([[0, 2, 2, -1], [1, 1, 0, 2]], np.int16)
     when = np.array([[5, 5, 5, 5], [4, 5, 6, -1]], np.int16)
-    counts = _count(agent, when, np.array([5, 5], np.int32), 3)
+    counts, means = np.ones((2, 2, 3))
+    _count(agent, when, np.array([5, 5], np.int32), False, counts)
+    _count(agent, when, np.array([5, 5], np.int32), True, means)
+    np.testing.assert_array_equal(means, np.repeat(counts.mean(axis=1, keepdims=True), 3, axis=1))
     assert counts.tolist() == [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0]]
 
 

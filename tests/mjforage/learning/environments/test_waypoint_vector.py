@@ -42,11 +42,11 @@ def drawn_as(env: WaypointVectorEnv, ones: list[WaypointEnv]) -> None:
             forcing.mean_current_mps[0],
         )
         tracks.gust_key[i] = forcing._gust_keys[0]
-        hulls.places[i, 2] = tracks.pose[i, 0, 2] = track.pose[2]
+        hulls.live.places[i, 2] = tracks.pose[i, 0, 2] = track.pose[2]
         tracks.wind[i, 0], tracks.current[i, 0] = track.wind, track.current
         tracks.distance[i] = track.distance_m
-        hulls.around[i, 0, 5:7] = 1.0 + track.simulation.spread[0, 0, 2]
-        hulls.around[i, 0, 7:] = 1.0 + track.simulation.spread[0, 0, :2]
+        hulls.live.around[i, 0, 5:7] = 1.0 + track.simulation.spread[0, 0, 2]
+        hulls.live.around[i, 0, 7:] = 1.0 + track.simulation.spread[0, 0, :2]
 
 
 def steered(observation: Any) -> Any:
@@ -132,7 +132,7 @@ def test_unstable_motion_is_one_line_and_a_reset_begins_anew() -> None:
     env, fresh = batch(2), batch(2)
     fresh.reset(seed=SEED)
     env.reset(seed=SEED)
-    env._batch.hulls.velocities[1] = np.inf
+    env._batch.hulls.live.velocities[1] = np.inf
     env.step(np.ones((2, 2)))
     with pytest.raises(UserError, match=r"^vessel of environment 1: its motion is unstable; take"):
         env.step(np.ones((2, 2)))
@@ -170,7 +170,7 @@ def test_draws_are_those_of_missions(wide: WaypointVectorEnv) -> None:
     np.testing.assert_array_equal(tracks.mean_current, forcing.mean_current_mps)
     np.testing.assert_array_equal(tracks.gust_key, forcing._gust_keys)
     given = 1.0 + deviations(Spread(mass=0.2, drag=0.4, thrust=0.3), 1, keys)[:, 0]
-    found = wide._batch.hulls.around[:, 0, 5:]
+    found = wide._batch.hulls.live.around[:, 0, 5:]
     np.testing.assert_allclose(found, given[:, [2, 2, 0, 1]], rtol=1e-6)
 
 

@@ -1,0 +1,124 @@
+"""Sub-environments whose decisions are on a device, from the preferences to what agents see.
+
+What is small comes back to this machine after each decision: rewards, ends, places of vessels and
+items. Maps of what is known, and the observations, stay there until episodes start anew.
+"""
+
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.device import Call
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.encodings.encoder import DeviceEncoder
+from mjforage.learning.environments.core import EnvironmentCore
+from mjforage.learning.environments.rewards import Amounts, Before
+from mjforage.mission.exchange import Ideal
+from mjforage.mission.mission import DeviceMission
+from mjforage.physics.dynamics.device_period import DevicePeriod
+from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
+
+_OF_KNOWLEDGE = ("agent_node", "energy_left", "n_known")
+_OF_LEDGER = ("t_discovered", "t_collected")
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """Sub-environments as they are on the device."""
+
+    period: DevicePeriod
+    mission: DeviceMission
+    decide: tuple[Call, ...]
+    look: tuple[Call, ...]
+    terms: dict[str, Amounts]
+    small: list[NDArray[Any]]  # of which the host knows after each decision
+    levels: dict[str, Any]  # tensors
+    masks: Any  # tensor (env, agent, 9) int8
+
+
+class DeviceCore(EnvironmentCore):
+    """`EnvironmentCore` of hulls on a device; its observations and masks are tensors there.
+
+    On a processor the bits are those of `EnvironmentCore`.
+    """
+
+    _now: _Bound | None = None
+
+    @property
+    def fits(self) -> bool:
+        """True if all that these sub-environments need has kernels for a device."""
+        mission = self.mission
+        return (
+            isinstance(mission.dynamics, MujocoDynamics)
+            and mission.dynamics.may_decide_on_device
+            and isinstance(mission.exchange, Ideal)
+            and bool(getattr(self._encoder, "fits_a_device", False))
+            and not self._terms.on_host_only
+        )
+
+    def start(self, envs: NDArray[np.int64], keys: UInt64Array) -> None:
+        """Start episodes of the given keys in sub-environments (env,); the first time in all."""
+        super().start(envs, keys)
+        self._now = None
+
+    def _there(self) -> _Bound:
+        """All on the device, moved there if it is not."""
+        if self._now is None:
+            self._now = self._moved()
+        return self._now
+
+    def _moved(self) -> _Bound:
+        period = cast(MujocoDynamics, self.mission.dynamics).on_device()
+        bind, there = period.bind, self.mission.on_device(period)
+        known, state = there.knowledge, there.state
+        live = Before.of_state(state, known, there.step)
+        copy, reward, terms = self._terms.on_device(bind, state, there.ledger, live)
+        every = np.ones(self.num_envs, np.bool_)
+        legal = np.zeros((self.num_envs, self.agents, 9), np.bool_)
+        encoder = cast(DeviceEncoder, self._encoder)
+        encode, levels = encoder.on_device(bind, every, there.seen)
+        mask = self._legal_moves.on_device(bind, known.agent_node, known.energy_left, legal)
+        arrays = period.hulls.arrays
+        arrays.send(there.active)
+        small = [there.active, there.step, *there.moves, *state, *terms.values()]
+        small += [getattr(known, name) for name in _OF_KNOWLEDGE]
+        small += [getattr(there.ledger, name) for name in _OF_LEDGER]
+        shapes = {name: (*legal.shape[:2], *shape) for name, shape in self.shapes.items()}
+        tensors = {name: arrays.tensor(one).view(shapes[name]) for name, one in levels.items()}
+        import torch
+
+        masks = arrays.tensor(legal).view(torch.int8)
+        decide = copy, *there.calls, *reward
+        return _Bound(period, there, decide, (encode, mask), terms, small, tensors, masks)
+
+    def _advance(
+        self, preferences: NDArray[np.float64], played: NDArray[np.bool_]
+    ) -> dict[str, Amounts]:
+        now = self._there()
+        arrays = now.period.hulls.arrays
+        now.mission.preferences[:] = preferences
+        arrays.send(now.mission.preferences)
+        self._run(now, now.decide)
+        for array in now.small:
+            arrays.fetch(array)
+        now.period.check()
+        self.mission.came_back(now.mission)
+        return {name: np.where(played[:, None], one, 0.0) for name, one in now.terms.items()}
+
+    @staticmethod
+    def _run(now: _Bound, calls: tuple[Call, ...]) -> None:
+        with now.period.hulls.beside_torch():
+            now.period.hulls.run(calls)
+
+    def see(self, envs: NDArray[np.int64]) -> dict[str, Any]:
+        """Levels (env, agent, ...) uint8 of all observations, as live tensors; finds the masks."""
+        now = self._there()
+        self._run(now, now.look)
+        return now.levels
+
+    @property
+    def masks(self) -> Any:
+        """(env, agent, 9) int8 tensor, as of the last look."""
+        return self._there().masks
