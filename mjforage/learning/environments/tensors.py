@@ -5,6 +5,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from mjforage.base.device import SIMULATED
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
 from mjforage.graph_planner.encodings.encoder import TOP
@@ -28,7 +29,7 @@ class Tensors:
         if device != "cpu" and world == "graph":
             raise UserError(f"device {device}: the graph world has no hulls; give world=physics")
         require(f"device {device}", "torch")
-        self._name = TORCH_NAMES[device]
+        self._name = "cpu" if SIMULATED else TORCH_NAMES[device]
 
     def of(self, value: Any) -> Any:
         """Tensors of all arrays of numbers in something, in memory of their own."""

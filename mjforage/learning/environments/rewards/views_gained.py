@@ -35,7 +35,7 @@ def _belief_changed(
                     if add:
                         viewers[seen] += 1
                     elif after[e, seen] != before[e, seen]:
-                        total += np.abs(after[e, seen] - before[e, seen]) / viewers[seen]
+                        total += abs(after[e, seen] - before[e, seen]) / viewers[seen]
                 out[e, a] = total
         for a in range(radius_number.size):
             radius, node = radius_number[a], agent_node[e, a]

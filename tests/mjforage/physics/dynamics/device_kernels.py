@@ -11,12 +11,21 @@ from mjforage.base.compiled import BoundKernel
 from mjforage.base.device import Launch
 from mjforage.controllers import navigation, pilot
 from mjforage.forcing import forcing
-from mjforage.graph_planner.encodings import egocentric
+from mjforage.graph_planner.encodings import egocentric, masks
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments import waypoint_batch
+from mjforage.learning.environments.rewards import decisions as term_decisions
+from mjforage.learning.environments.rewards import (
+    items_collected,
+    items_gained,
+    nearest_item,
+    potentials,
+    term,
+    views_gained,
+)
 from mjforage.learning.environments.vector import ForagingVectorEnv
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
-from mjforage.mission import item_rule
+from mjforage.mission import dynamics, item_rule, mission, resolver, stores
 from mjforage.mission.sensors import sensing_update
 from mjforage.mission.setup import Setup
 from mjforage.physics import warp_simulation
@@ -27,6 +36,7 @@ from mjforage.physics.dynamics import (
     item_bodies,
     mujoco_dynamics,
     period_monitor,
+    settling,
 )
 from mjforage.physics.dynamics import tracks as item_tracks
 from mjforage.physics.floating.beside_hulls import DRIFT_BESIDE
@@ -69,7 +79,31 @@ LAUNCHES = {
     "collect": item_rule.COLLECT,
     "sense_perfectly": sensing_update.SENSE_PERFECTLY,
     "sense_imperfectly": sensing_update.SENSE_IMPERFECTLY,
+    "send": device_period.SEND,
+    "order": pilot.ORDER,
+    "settle": settling.SETTLE,
+    "load_vessels": settling.LOAD_VESSELS,
+    "resolve": resolver.RESOLVE,
+    "count_step": mission.COUNT_STEP,
+    "count_taken": dynamics.COUNT_TAKEN,
+    "goes_on": dynamics.GOES_ON,
+    "take_stock": stores.TAKE_STOCK,
     "look_around": egocentric.LOOK_AROUND,
+    "legal": masks.LEGAL,
+    "copy": term.COPY,
+    "ongoing": potentials.ONGOING,
+    "gain": potentials.GAIN,
+    "known": potentials.KNOWN,
+    "reach": potentials.REACH,
+    "fresh": potentials.FRESH,
+    "is_blocked": term_decisions.IS_BLOCKED,
+    "left": term_decisions.LEFT,
+    "share": items_collected.SHARE,
+    "given": items_gained.COUNT,
+    "changed": views_gained.CHANGED,
+    "ended": views_gained.ENDED,
+    "nearest": nearest_item.NEAREST,
+    "nearer": nearest_item.NEARER,
     "begin": waypoint_batch.BEGIN,
     "steer": waypoint_batch.COMMAND,
     "mark": waypoint_batch.MARK,
@@ -99,10 +133,12 @@ def fly() -> None:
     """Short missions and tracks of waypoints that call every kernel."""
     for name, *changes in SCENARIOS:
         about = [f"horizon={DECISIONS}", "physics.device=warp-cpu", *changes]
-        mission = create_mission(Setup.of(load_scenario(name, about)), "physics")
-        mission.reset(0, np.arange(EPISODES))
-        mission.run(create_policy("greedy"))
-    fleets = ForagingVectorEnv(EPISODES, scenario="comb-port")
+        batch = create_mission(Setup.of(load_scenario(name, about)), "physics")
+        batch.reset(0, np.arange(EPISODES))
+        batch.run(create_policy("greedy"))
+    reward = dict.fromkeys(("mission", "ddqn", "published", "blocked"), 1.0)
+    short: Any = {"scenario": "comb-port", "world": "physics", "set": {"period_s": 2}}
+    fleets = ForagingVectorEnv(EPISODES, device="warp-cpu", reward=reward, **short)
     fleets.reset(seed=0)
     for _ in range(DECISIONS):
         fleets.step(fleets.action_space.sample())

@@ -1,0 +1,75 @@
+"""Batches of `Foraging-v0` whose decisions are on a device."""
+
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+import torch
+
+from mjforage.learning.environments import vector
+from mjforage.learning.environments.core import EnvironmentCore
+from mjforage.learning.environments.device_core import DeviceCore
+from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.environments.vector import ForagingVectorEnv
+from tests.mjforage.learning.environments.test_tensors import flat
+
+ENVS = 3
+CASES: tuple[dict[str, Any], ...] = (
+    {"scenario": "comb-port-weather", "autoreset_mode": "SameStep"},
+    {"scenario": "comb-port", "reward": "ddqn"},
+    {
+        "scenario": "comb-port-gnss",
+        "reward": {"published": 0.5, "blocked": 1.0, "early": 1.0},
+        "dtype": "uint8",
+    },
+    {"scenario": "comb-port", "set": {"team.foragers.energy": 3, "team.foragers.capacity": 1}},
+)
+
+
+def played(device: str = "warp-cpu", **about: Any) -> tuple[Any, list[dict[str, Any]]]:
+    """All that a batch gives in six steps, in which episodes end and start anew."""
+    changes = {"horizon": 3, "period_s": 4, **about.pop("set", {})}
+    env = ForagingVectorEnv(ENVS, world="physics", device=device, set=changes, **about)
+    rng, told = np.random.default_rng(0), [flat(env.reset(seed=1))]
+    agents = len(env.single_action_space)
+    for _ in range(6):
+        told.append(flat(env.step(torch.as_tensor(rng.integers(0, 9, (ENVS, agents))))))
+    return env._core, told
+
+
+def on_the_host(options: EnvironmentOptions, envs: int, threads: int) -> EnvironmentCore:
+    return EnvironmentCore(options, envs, threads=threads)
+
+
+@pytest.mark.parametrize("about", CASES)
+def test_a_batch_on_a_device_is_one_of_the_host(about: dict[str, Any]) -> None:
+    """Bit for bit: observations, masks, rewards and all of `info`."""
+    with patch.object(vector, "_core_of", on_the_host):
+        _, known = played(**about)
+    core, found = played(**about)
+    assert isinstance(core, DeviceCore)
+    for step, (one, other) in enumerate(zip(known, found, strict=True)):
+        assert one.keys() == other.keys()
+        for name, wanted in one.items():
+            assert torch.equal(wanted, other[name]), f"step {step}: {name}"
+
+
+class Nothing:
+    """A term of somebody who knows of no device."""
+
+    def __call__(self, step: Any) -> Any:
+        return np.zeros(step.mission.state.agent_node.shape)
+
+
+def test_what_has_no_kernels_is_played_by_the_host() -> None:
+    """A term, an observation or a link without them; hulls are on the device all the same."""
+    term = {f"{__name__}:Nothing": 1.0, "removed": 1.0}
+    others: tuple[dict[str, Any], ...] = (
+        {"reward": term},
+        {"observation": "paper"},
+        {"set": {"link.model": "none"}},
+    )
+    for about in others:
+        core, _ = played(scenario="comb-port", **about)
+        assert type(core) is EnvironmentCore
