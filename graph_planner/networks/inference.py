@@ -26,8 +26,10 @@ def one_thread() -> Iterator[None]:
         torch.set_num_threads(before)
 
 
-def values_of(network: MoveNetwork, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
-    """(row, 9) values of levels (row, ...)."""
+def values_of(
+    network: MoveNetwork, levels: Mapping[str, NDArray[np.uint8] | torch.Tensor]
+) -> NDArray[np.float32]:
+    """(row, 9) values of levels (row, ...), arrays or tensors anywhere."""
     rows = next(iter(levels.values())).shape[0]
     device = next(network.parameters()).device
     with torch.no_grad(), one_thread():
@@ -40,7 +42,9 @@ def values_of(network: MoveNetwork, levels: Mapping[str, NDArray[np.uint8]]) -> 
     return values
 
 
-def _padded(level: NDArray[np.uint8]) -> torch.Tensor:
+def _padded(level: NDArray[np.uint8] | torch.Tensor) -> torch.Tensor:
     """Zeros behind the rows, so that all blocks are whole."""
+    if isinstance(level, torch.Tensor):
+        return torch.cat((level, level.new_zeros((-len(level) % BLOCK, *level.shape[1:]))))
     spare = np.zeros((-len(level) % BLOCK, *level.shape[1:]), np.uint8)
     return torch.from_numpy(np.concatenate((level, spare)))

@@ -166,6 +166,9 @@ class EnvironmentCore:
         known = self.mission.knowledge
         return self._legal_moves(known.agent_node, known.energy_left).view(np.int8)
 
+    def come_back(self) -> None:
+        """Have `mission` know all; it does, but where decisions are on a device."""
+
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment.
 
@@ -213,3 +216,16 @@ class Episodes:
             self.seed = int(entropy.integers(1 << 63))
         self.number += 1
         return episode_keys(self.seed, np.array([self.number]))
+
+
+def create_core(
+    options: EnvironmentOptions, num_envs: int = 1, threads: int = 1
+) -> EnvironmentCore:
+    """Sub-environments, on the device of their hulls if all of them can be there."""
+    if options.setup.scenario.physics.device != "cpu" and options.world != "graph":
+        from mjforage.learning.environments.device_core import DeviceCore
+
+        core = DeviceCore(options, num_envs, threads=threads)
+        if core.fits:
+            return core
+    return EnvironmentCore(options, num_envs, threads=threads)

@@ -56,6 +56,7 @@ class DeviceCore(EnvironmentCore):
             and isinstance(mission.exchange, Ideal)
             and bool(getattr(self._encoder, "fits_a_device", False))
             and not self._terms.on_host_only
+            and self.options.render_mode is None
         )
 
     def start(self, envs: NDArray[np.int64], keys: UInt64Array) -> None:
@@ -111,6 +112,13 @@ class DeviceCore(EnvironmentCore):
     def _run(now: _Bound, calls: tuple[Call, ...]) -> None:
         with now.period.hulls.beside_torch():
             now.period.hulls.run(calls)
+
+    def come_back(self) -> None:
+        """Have `mission` know all."""
+        if self._now is not None:
+            there = self._now.mission
+            for array in (*there.knowledge, *there.ledger):
+                self._now.period.hulls.arrays.fetch(array)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, Any]:
         """Levels (env, agent, ...) uint8 of all observations, as live tensors; finds the masks."""

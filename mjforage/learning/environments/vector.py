@@ -19,7 +19,7 @@ from mjforage.learning.environments.checks import (
     chosen_envs,
     env_seeds,
 )
-from mjforage.learning.environments.core import EnvironmentCore, Episodes
+from mjforage.learning.environments.core import Episodes, create_core
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.single import METADATA
@@ -71,7 +71,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
-        self._core = _core_of(options, num_envs, threads)
+        self._core = create_core(options, num_envs, threads)
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
         self._rows = np.arange(num_envs)
@@ -220,15 +220,3 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         for name, fact in facts.items():
             info[name], info["_" + name] = fact, valid.copy()
         return info
-
-
-def _core_of(options: EnvironmentOptions, num_envs: int, threads: int) -> EnvironmentCore:
-    """Sub-environments, on the device of their hulls if they can all be there."""
-    core = EnvironmentCore
-    if options.setup.scenario.physics.device != "cpu" and options.world != "graph":
-        from mjforage.learning.environments.device_core import DeviceCore
-
-        core = DeviceCore
-    made = core(options, num_envs, threads=threads)
-    there = getattr(made, "fits", True) and options.render_mode is None
-    return made if there else EnvironmentCore(options, num_envs, threads=threads)

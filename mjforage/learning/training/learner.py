@@ -74,9 +74,8 @@ class Learner:
         for follower in (self.target, self.average):
             follower.requires_grad_(False)
         self.optimiser = torch.optim.Adam(self.online.parameters(), hyperparameters.learning_rate)
-        self.memory = ReplayMemory(
-            shapes, streams, hyperparameters.capacity, hyperparameters.n_step, hyperparameters.gamma
-        )
+        settings = hyperparameters.capacity, hyperparameters.n_step, hyperparameters.gamma
+        self.memory = ReplayMemory(shapes, streams, *settings, device)
 
     @property
     def networks(self) -> tuple[DuelingNetwork, ...]:
@@ -90,7 +89,7 @@ class Learner:
         halvings = self.updates / settings.rate_halves if settings.rate_halves else 0.0
         return float(settings.learning_rate * 2.0**-halvings)
 
-    def values(self, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
+    def values(self, levels: Mapping[str, NDArray[np.uint8] | Tensor]) -> NDArray[np.float32]:
         """(row, 9) values of pictures (row, ...)."""
         return values_of(self.online, levels)
 
@@ -103,9 +102,8 @@ class Learner:
         moves, demonstrated = self._tensor(batch.moves), self._tensor(batch.demonstrated)
         weights = self._tensor(batch.weights)
         with one_thread():
-            levels = self._tensors(batch.levels)
             goal = self._goal(batch)
-            values = self.online(levels)
+            values = self.online(batch.levels)
             predicted = values.gather(1, moves[:, None])[:, 0]
             error = predicted - goal
             losses = torch.nn.functional.smooth_l1_loss(predicted, goal, reduction="none")
@@ -132,7 +130,7 @@ class Learner:
     @torch.no_grad()
     def _goal(self, batch: Batch) -> Tensor:
         """(row,) what the values of the moves taken should be."""
-        following, legal = self._tensors(batch.following), self._tensor(batch.following_legal)
+        following, legal = batch.following, self._tensor(batch.following_legal)
         best = self.online(following).masked_fill(~legal, -torch.inf).argmax(dim=1)
         hoped: Tensor = self.target(following).gather(1, best[:, None])[:, 0]
         return self._tensor(batch.rewards) + self._tensor(batch.discount) * hoped
@@ -151,9 +149,6 @@ class Learner:
 
     def _tensor(self, array: NDArray[Any]) -> Tensor:
         return torch.from_numpy(array).to(self._device)
-
-    def _tensors(self, levels: Mapping[str, NDArray[np.uint8]]) -> dict[str, Tensor]:
-        return {name: self._tensor(level) for name, level in levels.items()}
 
     def tensors(self) -> dict[str, Tensor]:
         """Everything that later updates depend on, for a checkpoint; `restore` takes it back."""

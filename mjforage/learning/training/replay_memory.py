@@ -7,10 +7,13 @@ stream is `streams` places on, and following pictures need no memory of their ow
 drawn when its n-step successor has been written.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.encodings import Shapes
@@ -25,12 +28,12 @@ class Batch(NamedTuple):
     """Rows drawn for one update."""
 
     rows: NDArray[np.int64]
-    levels: dict[str, NDArray[np.uint8]]
+    levels: dict[str, Tensor]  # (row, ...) uint8, where the memory is
     moves: NDArray[np.int64]
     demonstrated: NDArray[np.bool_]  # (row, 9) the teacher's moves; none where it was not asked
     rewards: NDArray[np.float32]  # discounted sum until the successor
     discount: NDArray[np.float32]  # of the successor's value; 0 where there is none
-    following: dict[str, NDArray[np.uint8]]
+    following: dict[str, Tensor]
     following_legal: NDArray[np.bool_]  # (row, 9)
     weights: NDArray[np.float32]  # importance
 
@@ -107,15 +110,27 @@ def _tree_size(rows: int) -> int:
 
 
 class ReplayMemory:
-    """Memory of one team. All arrays but the tree of priorities are (row, ...)."""
+    """Memory of one team. All arrays but the tree of priorities are (row, ...).
+
+    Pictures are tensors on a device of torch, which they need not leave.
+    """
 
     def __init__(
-        self, shapes: Shapes, streams: int, capacity: int, n_step: int, gamma: float
+        self,
+        shapes: Shapes,
+        streams: int,
+        capacity: int,
+        n_step: int,
+        gamma: float,
+        device: str = "cpu",
     ) -> None:
         self.streams, self.n_step, self.gamma = streams, n_step, gamma
         self.blocks = blocks_of(streams, capacity, n_step)
         rows = self.blocks * streams
-        self.levels = {name: np.zeros((rows, *shape), np.uint8) for name, shape in shapes.items()}
+        self.levels = {
+            name: torch.zeros((rows, *shape), dtype=torch.uint8, device=device)
+            for name, shape in shapes.items()
+        }
         self.legal = np.zeros((rows, 9), np.bool_)
         self.moves = np.zeros(rows, np.uint8)
         self.demonstrated = np.zeros((rows, 9), np.bool_)
@@ -137,7 +152,7 @@ class ReplayMemory:
 
     def open(
         self,
-        levels: dict[str, NDArray[np.uint8]],
+        levels: Mapping[str, NDArray[np.uint8] | Tensor],
         legal: NDArray[np.bool_],
         kind: NDArray[np.uint8],
     ) -> None:
@@ -146,7 +161,7 @@ class ReplayMemory:
         rows = np.arange(block.start, block.stop)
         _put(self.tree, rows, np.zeros(self.streams))
         for name, level in levels.items():
-            self.levels[name][block] = level
+            self.levels[name][block] = torch.as_tensor(level)
         self.legal[block], self.kind[block] = legal, kind
         self.demonstrated[block], self.rewards[block] = False, 0.0
         self.written += 1
@@ -209,14 +224,15 @@ class ReplayMemory:
             discount,
             successor,
         )
+        drawn, later = torch.from_numpy(rows), torch.from_numpy(successor)
         return Batch(
             rows=rows,
-            levels={name: level[rows] for name, level in self.levels.items()},
+            levels={name: level[drawn] for name, level in self.levels.items()},
             moves=self.moves[rows].astype(np.int64),
             demonstrated=self.demonstrated[rows],
             rewards=sums,
             discount=discount,
-            following={name: level[successor] for name, level in self.levels.items()},
+            following={name: level[later] for name, level in self.levels.items()},
             following_legal=self.legal[successor],
             weights=(weights / weights.max()).astype(np.float32),
         )
@@ -235,7 +251,7 @@ class ReplayMemory:
         leaves = self.tree.size // 2
         own = {"legal", "moves", "demonstrated", "rewards", "kind"}
         return {
-            **{f"levels.{name}": level[:rows] for name, level in self.levels.items()},
+            **{f"levels.{name}": level[:rows].cpu().numpy() for name, level in self.levels.items()},
             **{name: getattr(self, name)[:rows] for name in sorted(own)},
             "priorities": self.tree[leaves : leaves + rows],
             "counters": np.array([self.written, self.ready, self.most]),
@@ -259,6 +275,9 @@ class ReplayMemory:
                 raise ValueError(f"{name} of a replay is {values.dtype} {values.shape}")
             if name == "priorities":
                 self._take_priorities(np.asarray(values, np.float64))
+            elif name.startswith("levels."):
+                part = self.levels[name.removeprefix("levels.")]
+                part[: len(values)] = torch.tensor(values)
             elif name != "counters":
                 mine[...] = values
         if len(arrays) != len(self.arrays()) or self.moves.max() > 8:

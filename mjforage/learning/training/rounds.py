@@ -1,7 +1,7 @@
 """The episodes of a round side by side, in one core or in several."""
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.core import EnvironmentCore
+from mjforage.learning.environments.tensors import on_host
 from mjforage.mission.policy import Policy
 from mjforage.mission.resolver import check_preferences
 
@@ -64,16 +65,19 @@ class Round:
     @property
     def masks(self) -> NDArray[np.int8]:
         """(env, agent, 9) 1 where a move is legal whatever the others choose."""
-        return self._joined(core.masks for core in self.cores)
+        return self._joined(on_host(core.masks) for core in self.cores)
 
-    def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
-        """Levels (env, agent, ...) of each agent's knowledge; only `envs` are of this moment."""
+    def see(self, envs: NDArray[np.int64]) -> dict[str, Any]:
+        """Levels (env, agent, ...) of each agent's knowledge; only `envs` are of this moment.
+
+        They are tensors where a single core has them on a device, and arrays otherwise.
+        """
         if len(self.cores) == 1:
             return self.cores[0].see(envs)
         for core, own in zip(self.cores, self.envs, strict=True):
             present = np.flatnonzero(np.isin(own, envs))
             for name, level in core.see(present).items() if present.size else ():
-                self._levels[name][own[present]] = level[present]
+                self._levels[name][own[present]] = on_host(level[present])
         return self._levels
 
     def play(self, preferences: NDArray[np.float64]) -> Played:
@@ -106,6 +110,8 @@ class Round:
         """The teacher's preferences (env, agent, 9), and the moves that it would make or likes as
         much.
         """
+        for core in self.cores:
+            core.come_back()
         theirs = self._joined(
             core.mission.ask(teacher)
             for core, teacher in zip(self.cores, self._teachers, strict=True)

@@ -18,7 +18,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.encodings import Shapes, create_encoder
 from mjforage.graph_planner.networks.weights import ground_note
-from mjforage.learning.environments.core import EnvironmentCore
+from mjforage.learning.environments.core import EnvironmentCore, create_core
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.hyperparameters import WHERE
 from mjforage.learning.training.rounds import Round
@@ -89,7 +89,7 @@ class TrainingTask:
 
     @cached_property
     def _core(self) -> EnvironmentCore:
-        return EnvironmentCore(self.options[0], self._num_envs)
+        return create_core(self.options[0], self._num_envs)
 
     def round(self, keys: UInt64Array, turn: int = 0) -> Round:
         """One episode of each key (env,), not yet started, the same in every turn."""
@@ -97,9 +97,7 @@ class TrainingTask:
             return Round([self._core], [np.arange(self._num_envs)])
         number = _drawn(keys, Stream.VARIANT, len(self.options))
         envs = [np.flatnonzero(number == one) for one in np.unique(number)]
-        return Round(
-            [EnvironmentCore(self.options[number[own[0]]], own.size) for own in envs], envs
-        )
+        return Round([create_core(self.options[number[own[0]]], own.size) for own in envs], envs)
 
 
 @kernel

@@ -371,7 +371,7 @@ class DevicePeriod:
         """Wait for all calls, and refuse what has no place any more; raises `InstabilityError`."""
         self.hulls.wait()
         simulation = self._parts.simulation
-        self._fetch(list(simulation.arrays))
+        self._fetch([self._parts.tick, *simulation.arrays])
         simulation.check(self.active)
 
     def deciding(self, moves: Moves) -> Calls:

@@ -71,9 +71,11 @@ def test_a_replay_that_is_too_large_is_refused() -> None:
 def test_the_memory_of_a_replay_is_what_its_arrays_take() -> None:
     shapes = {"map": (3, 5, 5), "moves": (9, 4)}
     memory = ReplayMemory(shapes, 6, 1000, 3, 0.9)
-    arrays = [*memory.levels.values(), memory.legal, memory.moves, memory.demonstrated]
+    levels = sum(level.nbytes for level in memory.levels.values())
+    arrays: list[np.ndarray] = [memory.legal, memory.moves, memory.demonstrated]
     arrays += [memory.rewards, memory.kind, memory.tree]
-    assert sum(array.nbytes for array in arrays) == memory_bytes(shapes, 6, 1000, 3)
+    found = levels + sum(array.nbytes for array in arrays)
+    assert found == memory_bytes(shapes, 6, 1000, 3)
 
 
 def test_the_estimate_covers_a_batch_and_is_not_ten_times_too_large() -> None:

@@ -4,9 +4,11 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
-Levels = dict[str, NDArray[np.uint8]]
+Levels = dict[str, Tensor]  # uint8, on the device of the networks
 
 
 class Decisions(NamedTuple):
@@ -36,7 +38,7 @@ class Rollout:
     def add(
         self,
         envs: NDArray[np.int64],
-        levels: Mapping[str, NDArray[np.uint8]],
+        levels: Mapping[str, Tensor],
         *parts: NDArray[np.generic],
     ) -> None:
         """Take a step of the episodes envs (row,).
@@ -56,7 +58,7 @@ class Rollout:
         `last`: (env, agent) values of what was seen after each episode's last decision.
         """
         levels = {
-            name: np.concatenate([each.pop(name) for each in self._levels])
+            name: torch.cat([each.pop(name) for each in self._levels])
             for name in list(self._levels[0])
         }
         columns = [np.concatenate(column) for column in zip(*self._parts, strict=True)]

@@ -14,7 +14,6 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from mjforage.base.errors import UserError
 from mjforage.base.extras import require
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.networks.inference import one_thread
@@ -58,10 +57,8 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
-        """Prepare a run; as `Algorithm`, and `UserError` without TorchRL or on another device."""
+        """Prepare a run; as `Algorithm`, and `UserError` without TorchRL."""
         updates = _torchrl()
-        if device != "cpu":
-            raise UserError(f"device {device}: mappo trains on the CPU; choose cpu")
         teacher = teacher_label(hyperparameters.teacher)
         super().__init__(scenarios, replace(hyperparameters, teacher=teacher), seed, device)
         self._check_memory()
@@ -74,7 +71,7 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
             critic = Critic(self.shapes, list(self.agents.values()))
         both = updates.Actors(self.actors, teams)
         self.updates: Updates = updates.Updates(
-            both, critic, list(self.shapes), self.hyperparameters
+            both, critic, list(self.shapes), self.hyperparameters, device
         )
 
     @property
@@ -105,15 +102,16 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         self.progress.updates += len(learned)
         return self.end_round(returns, learned)
 
-    def _see(self, present: NDArray[np.bool_]) -> dict[str, NDArray[np.uint8]]:
-        """Arrays of all episodes, those of `present` (env,) as they are now."""
-        return {**self.round.see(np.flatnonzero(present)), **critic_features(self.round)}
+    def _see(self, present: NDArray[np.bool_]) -> dict[str, Tensor]:
+        """Levels of all episodes, those of `present` (env,) as they are now; live."""
+        seen = {**self.round.see(np.flatnonzero(present)), **critic_features(self.round)}
+        return {name: torch.as_tensor(level).to(self.device) for name, level in seen.items()}
 
     def _step(
         self,
         rollout: Rollout,
         envs: NDArray[np.int64],
-        seen: dict[str, NDArray[np.uint8]],
+        seen: dict[str, Tensor],
         taught: NDArray[np.bool_] | None,
     ) -> NDArray[np.float64]:
         """One decision of the episodes envs (row,): rewards (env, agent)."""
@@ -136,27 +134,23 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         rollout.add(envs, seen, legal, demonstrated[envs], moves, chances, paid, values, ends)
         return own
 
-    def _logits(
-        self, seen: Mapping[str, NDArray[np.uint8]], envs: NDArray[np.int64]
-    ) -> NDArray[np.float32]:
+    def _logits(self, seen: Mapping[str, Tensor], envs: NDArray[np.int64]) -> NDArray[np.float32]:
         """(row, agent, 9) of the episodes envs (row,)."""
         return self._asked(self.updates.actors, {n: seen[n] for n in self.shapes}, envs)
 
-    def _values(
-        self, seen: Mapping[str, NDArray[np.uint8]], envs: NDArray[np.int64]
-    ) -> NDArray[np.float32]:
+    def _values(self, seen: Mapping[str, Tensor], envs: NDArray[np.int64]) -> NDArray[np.float32]:
         """(row, agent) of the episodes envs (row,), in the reward's units."""
         return self._asked(self.updates.real, seen, envs)[..., 0]
 
     def _asked(
         self,
         network: nn.Module,
-        seen: Mapping[str, NDArray[np.uint8]],
+        seen: Mapping[str, Tensor],
         envs: NDArray[np.int64],
     ) -> NDArray[np.float32]:
         with torch.no_grad(), one_thread():
-            own = {name: torch.from_numpy(level[envs]) for name, level in seen.items()}
-            out: NDArray[np.float32] = network(own).numpy()
+            own = {name: level[envs] for name, level in seen.items()}
+            out: NDArray[np.float32] = network(own).cpu().numpy()
         return out
 
     def _check_memory(self) -> None:

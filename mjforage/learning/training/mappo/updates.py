@@ -85,11 +85,17 @@ class Updates:
     """
 
     def __init__(
-        self, actors: Actors, critic: Critic, names: list[str], settings: MappoHyperparameters
+        self,
+        actors: Actors,
+        critic: Critic,
+        names: list[str],
+        settings: MappoHyperparameters,
+        device: str = "cpu",
     ) -> None:
         """Prepare; `names`: of the arrays that an agent sees; the others are the critic's alone."""
-        self.actors, self.critic, self.settings, self.updates = actors, critic, settings, 0
-        self.names, self.norm = names, PopArtValueNorm(shape=1)
+        self.actors, self.critic = actors.to(device), critic.to(device)
+        self.settings, self.updates, self._device = settings, 0, device
+        self.names, self.norm = names, PopArtValueNorm(shape=1).to(device)
         self.real = _Real(critic, self.norm)
         every = sorted({*names, *critic.pictures, "truth.facts"})
         actor = ProbabilisticTensorDictSequential(
@@ -114,6 +120,7 @@ class Updates:
             functional=False,
         )
         self.loss.set_keys(sample_log_prob="chance")
+        self.loss.to(device)
         self.optimiser = torch.optim.Adam(self.parameters(), settings.learning_rate, eps=1e-5)
 
     def parameters(self) -> list[nn.Parameter]:
@@ -141,7 +148,7 @@ class Updates:
         """Input of the loss."""
         advantage, target = advantages(round, self.settings.gamma, self.settings.gae)
         columns: dict[str, Any] = {
-            **{name: torch.from_numpy(level) for name, level in round.levels.items()},
+            **round.levels,
             "legal": torch.from_numpy(round.legal),
             "demonstrated": torch.from_numpy(round.demonstrated),
             "action": torch.from_numpy(round.moves),
@@ -150,7 +157,8 @@ class Updates:
             "advantage": (advantage - advantage.mean()) / (advantage.std() + 1e-5),
             "value_target": target,
         }
-        return TensorDict(columns, batch_size=[len(round.step)])
+        there = {name: column.to(self._device) for name, column in columns.items()}
+        return TensorDict(there, batch_size=[len(round.step)])
 
     def _update(self, batch: TensorDict, taught: bool) -> dict[str, float]:
         self._schedule()

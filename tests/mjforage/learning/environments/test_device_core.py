@@ -32,9 +32,9 @@ def played(device: str = "warp-cpu", **about: Any) -> tuple[Any, list[dict[str, 
     changes = {"horizon": 3, "period_s": 4, **about.pop("set", {})}
     env = ForagingVectorEnv(ENVS, world="physics", device=device, set=changes, **about)
     rng, told = np.random.default_rng(0), [flat(env.reset(seed=1))]
-    agents = len(env.single_action_space)
     for _ in range(6):
-        told.append(flat(env.step(torch.as_tensor(rng.integers(0, 9, (ENVS, agents))))))
+        actions: Any = torch.as_tensor(rng.integers(0, 9, env.action_space.shape))
+        told.append(flat(env.step(actions)))
     return env._core, told
 
 
@@ -45,7 +45,7 @@ def on_the_host(options: EnvironmentOptions, envs: int, threads: int) -> Environ
 @pytest.mark.parametrize("about", CASES)
 def test_a_batch_on_a_device_is_one_of_the_host(about: dict[str, Any]) -> None:
     """Bit for bit: observations, masks, rewards and all of `info`."""
-    with patch.object(vector, "_core_of", on_the_host):
+    with patch.object(vector, "create_core", on_the_host):
         _, known = played(**about)
     core, found = played(**about)
     assert isinstance(core, DeviceCore)

@@ -29,12 +29,12 @@ def batch(following: list[int], discount: float = 0.5, demonstrated: tuple[int, 
     after[0, following] = teacher[0, list(demonstrated)] = True
     return Batch(
         rows=np.zeros(1, np.int64),
-        levels={"x": np.array([[255, 0]], np.uint8)},
+        levels={"x": torch.tensor([[255, 0]], dtype=torch.uint8)},
         moves=np.array([3]),
         demonstrated=teacher,
         rewards=np.ones(1, np.float32),
         discount=np.array([discount], np.float32),
-        following={"x": np.array([[0, 255]], np.uint8)},
+        following={"x": torch.tensor([[0, 255]], dtype=torch.uint8)},
         following_legal=after,
         weights=np.ones(1, np.float32),
     )
@@ -48,11 +48,10 @@ def test_the_goal_masks_both_argmaxes(legal: list[int]) -> None:
         for parameter in one.target.parameters():
             parameter.add_(0.1)
     b = batch(legal)
-    following = {"x": torch.from_numpy(b.following["x"])}
-    online, target = one.online(following)[0].detach(), one.target(following)[0]
+    online, target = one.online(b.following)[0].detach(), one.target(b.following)[0]
     best = max(legal, key=lambda move: float(online[move]))
     goal = 1.0 + 0.5 * float(target[best])
-    value = float(one.online({"x": torch.from_numpy(b.levels["x"])}).detach()[0, 3])
+    value = float(one.online(b.levels).detach()[0, 3])
     _, errors = one.learn(b)
     assert errors[0] == pytest.approx(value - goal, abs=1e-5)
 

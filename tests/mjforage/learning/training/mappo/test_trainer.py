@@ -51,7 +51,7 @@ def test_it_learns_the_moves_and_the_values_of_the_chain(tmp_path: Path) -> None
         step = 0
         while (present := trainer.round.active).any():
             seen, envs = trainer._see(present), np.flatnonzero(present)
-            kind = seen["x"][envs].argmax(axis=2) % 3
+            kind = seen["x"][envs].argmax(dim=2).numpy() % 3
             found = trainer._values(seen, envs)
             np.testing.assert_allclose(found / worth[np.arange(2), kind], 1.0, atol=0.12)
             kinds |= {(int(each), step) for each in kind[:, 0]}

@@ -180,8 +180,6 @@ def test_settings_and_devices_are_checked(refused: Callable[..., str], tmp_path:
         settings(gae=2)
     with pytest.raises(UserError, match="teacher = 'greedy', teacher_updates = 0: give both"):
         settings(teacher_updates=0)
-    with pytest.raises(UserError, match="mappo trains on the CPU; choose cpu"):
-        MappoTrainer([scenario()], settings(), device="cuda")
     words = ("--updates", 1, "--out", tmp_path / "run")
     assert "unknown key n_step" in refused("train", "mappo", "--learning", "n_step=3", *words)
     assert "algorithm mapo: unknown; did you mean mappo" in refused("train", "mapo", *words)

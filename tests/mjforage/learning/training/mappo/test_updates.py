@@ -91,7 +91,7 @@ def played() -> Decisions:
         none = nothing[: rows.size]
         rollout.add(
             rows,
-            {"x": np.zeros((2, 1, 3), np.uint8)},
+            {"x": torch.zeros((2, 1, 3), dtype=torch.uint8)},
             none,
             none,
             np.zeros(column, np.int64),
@@ -145,7 +145,7 @@ def bandit(rows: int, seed: int, made: Updates) -> Decisions:
     demonstrated = legal & (seen["moves"][..., 0] > 160)
     rewards = np.take_along_axis(demonstrated, moves[..., None], axis=-1)[..., 0].astype(np.float32)
     return Decisions(
-        *(seen, legal, demonstrated, moves, chances, rewards, values),
+        *(tensors(seen), legal, demonstrated, moves, chances, rewards, values),
         *(zeros, ends, ends, np.zeros(rows, np.int64), np.arange(rows)),
     )
 
