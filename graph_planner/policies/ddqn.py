@@ -2,6 +2,7 @@
 and multi-agent PPO's. Playing them needs torch, not TorchRL.
 """
 
+import copy
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -37,6 +38,8 @@ class QPolicy:
     the task. Raises `UserError` if torch is not installed.
     """
 
+    network_device = "cpu"  # of torch, where its networks decide; missions set it
+
     def __init__(self, path: Path) -> None:
         require(f"policy {path.stem}", "torch")
         self._path = path
@@ -47,6 +50,9 @@ class QPolicy:
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
         self._networks, self._plain = self._load(task), Plain(task, keys.size)
+        if self.network_device != "cpu":  # others may have the same networks elsewhere
+            each = copy.deepcopy(self._networks).items()
+            self._networks = {team: network.to(self.network_device) for team, network in each}
         self._teams = (task.fleet.discoverers, task.fleet.collectors)
         self._encoder = create_encoder(self._header.encoding, task)
         self._encoder.reset(keys.size)

@@ -330,9 +330,12 @@ class Mission:
 
     def prepare(self, policy: Policy) -> None:
         """Get a policy ready for the batch: it decides once for each owner, a bound for each
-        episode unless it is `decentralised`.
+        episode unless it is `decentralised`. Networks decide where the hulls are.
         """
         pooled = isinstance(policy, UpperBound) and not getattr(policy, "decentralised", False)
+        if hasattr(policy, "network_device"):
+            there = self.setup.scenario.physics.device == "cuda"
+            policy.network_device = "cuda" if there else "cpu"
         policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.owners))
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:

@@ -105,3 +105,16 @@ def test_a_policy_whose_preferences_are_nan_is_named() -> None:
     mission.reset(0, np.arange(1))
     with pytest.raises(UserError, match="policy Undecided: gives preferences that are NaN"):
         mission.run(Undecided())
+
+
+def test_networks_decide_on_the_device_of_the_hulls() -> None:
+    """A policy that names a place for its networks is told it; others are not touched."""
+    for device, wanted in (("cuda", "cuda"), ("warp-cpu", "cpu"), ("cpu", "cpu")):
+        setup = Setup.of(load_scenario("comb-port", ("horizon=2", f"physics.device={device}")))
+        mission, policy, other = Mission(setup), create_policy("random"), create_policy("random")
+        mission.reset(0, np.arange(1))
+        policy.network_device = "?"  # type: ignore[attr-defined]
+        for one in (policy, other):
+            mission.prepare(one)
+        assert policy.network_device == wanted  # type: ignore[attr-defined]
+        assert not hasattr(other, "network_device")
