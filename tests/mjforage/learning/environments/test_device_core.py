@@ -35,6 +35,11 @@ def played(device: str = "warp-cpu", **about: Any) -> tuple[Any, list[dict[str, 
     for _ in range(6):
         actions: Any = torch.as_tensor(rng.integers(0, 9, env.action_space.shape))
         told.append(flat(env.step(actions)))
+        env._core.come_back()
+        mission = env._core.mission
+        for arrays in (mission.state, mission.knowledge, mission.ledger):
+            kept = zip(arrays._fields, arrays, strict=True)
+            told[-1] |= {name: torch.tensor(one) for name, one in kept if name != "known_at"}
     return env._core, told
 
 
