@@ -66,7 +66,7 @@ def test_a_mission_on_the_device_is_one_of_the_processor() -> None:
     """Bit for bit in numba's simulator, with Warp on the processor."""
     pytest.importorskip("numba_cuda")
     pytest.importorskip("mujoco_warp")
-    command = [sys.executable, "-m", "tests.mjforage.physics.simulated_mission"]
+    command = [sys.executable, "-m", "tests.mjforage.physics.dynamics.simulated_mission"]
     simulated = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1"}
     found = subprocess.run(command, env=simulated, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr[-2000:]
