@@ -94,11 +94,9 @@ capabilities: $(VENV)/.installed-dev
 # its package: the core is all that we use.
 MUJOCO := 4.0.0
 
-# Kernels and hulls on a device hang on MuJoCo Warp's version. Of crowds one integrator is enough:
-# the solver is the same.
+# Kernels and hulls on a device hang on MuJoCo Warp's version.
 NOT_OURS := --ignore tests/mjforage/physics/dynamics/test_device_kernels.py \
-	--ignore tests/mjforage/physics/test_device_fleet.py --ignore-glob '*/test_warp_*' \
-	--deselect 'tests/mjforage/physics/simulation/test_crowd.py::test_sparse_and_dense_solvers_agree[Integrator.REFERENCE]'
+	--ignore tests/mjforage/physics/test_device_fleet.py --ignore-glob '*/test_warp_*'
 
 $(VENV)/mujoco-$(MUJOCO)/.installed: $(VENV)/.installed-dev
 	rm -rf $(@D)

@@ -22,9 +22,9 @@ from mjforage.physics.vessels import load_vessel
 VESSELS, ITEMS = ("scout",) * 8 + ("forager",) * 8, 300
 PITCH_M, STEP_S, WIND_MPS = 4.0, 0.1, (-6.0, -5.0)
 TOLERANCE_M = 1e-7
-"""How far anything may be apart at the end. Versions and solvers differ in the last bits of a sum,
-which collisions double every 3 s or so: 1e-9 m were seen after 30 s, 9e-6 after 60. A fault of a
-solver is metres."""
+"""How far anything may be apart at the end. Versions differ in the last bits of a sum, which
+collisions double every 3 s or so: 1e-9 m were seen after 30 s, 9e-6 after 60. A fault of a solver
+is metres."""
 SECONDS = {Integrator.FAST: 30, Integrator.REFERENCE: 10}
 """The reference takes five times as long for the answers of the same solver."""
 
