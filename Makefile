@@ -2,7 +2,7 @@
 # `make quick`: the tests that take about a minute on two free cores, when kernels are compiled.
 # `make test`: ruff, mypy, import-linter, and all tests but those of `make thorough`: ten minutes.
 # `make thorough`: tests of whole runs: commands, killed runs, trainings, vessels, reports, films, blocks of pages.
-# `make capabilities`: tests of learning, under each set of instructions of this processor.
+# `make capabilities`: tests of learning, under each lesser set of instructions of this processor.
 # `make mujoco`: vessels, items and scenarios with MuJoCo 4, and a comparison of both versions.
 # `make lowest`: core, physics, runs and commands with the lowest versions that pyproject.toml allows.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
@@ -22,11 +22,11 @@ BIN := $(VENV)/bin
 unexport PYTHONDONTWRITEBYTECODE
 
 # What torch computes depends on the processor's instructions, so learning is tested under each set
-# that this processor has.
+# that this processor has; `make test` and `make thorough` do so under the largest.
 CAPABILITIES := default avx2 avx512
-LEARNING := tests/mjforage/learning tests/graph_planner/networks/test_weights.py
+LEARNING = $(shell grep --recursive --files-with-matches --include 'test_*.py' mark.every_capability tests)
 
-.PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest mutants mutants-some evidence evidence-pages dist docs links pages gallery install clean
+.PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest environments mutants mutants-some evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -57,7 +57,7 @@ test: $(VENV)/.installed-docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
-	$(MAKE) --jobs 2 hulls types collected
+	$(MAKE) --jobs 3 planner types hulls collected
 	$(BIN)/pytest -n 2 --dist worksteal -m 'not thorough'
 
 thorough: $(VENV)/.installed-docs
@@ -70,35 +70,33 @@ types: $(VENV)/.installed-dev
 collected: $(VENV)/.installed-docs
 	$(BIN)/pytest --collect-only --quiet >/dev/null
 
-# Compile what most tests need, one after the other: two processes would each do it. Kernels of
-# single policies are few tests' and compiled by the first of them.
+# Compile what most tests need; for what both need one waits for the other. Kernels of single
+# policies are few tests' and compiled by the first of them.
 COMPILE := --episodes 1 --set horizon=20 --replay none >/dev/null
 
 planner: $(VENV)/.installed-dev
 	rm -rf $(VENV)/planner
 	$(BIN)/mjforage evaluate comb-port-weather --policy belief --out $(VENV)/planner $(COMPILE)
 
-hulls: planner
+hulls: $(VENV)/.installed-dev
 	rm -rf $(VENV)/hulls
 	$(BIN)/mjforage evaluate comb-port-weather --policy greedy --world physics --out $(VENV)/hulls $(COMPILE)
 
 capabilities: $(VENV)/.installed-dev
 	most=$$($(BIN)/python -c 'import torch; print(torch.backends.cpu.get_cpu_capability().lower())'); \
 	for capability in $(CAPABILITIES); do \
+		[ $$capability != $$most ] || break; \
 		echo "learning, ATEN_CPU_CAPABILITY=$$capability of at most $$most"; \
 		ATEN_CPU_CAPABILITY=$$capability $(BIN)/pytest -n 2 -rs -m every_capability $(LEARNING) || exit 1; \
-		[ $$capability != $$most ] || break; \
 	done
 
 # The second MuJoCo lies before all other libraries, which both environments share. Version 4 splits
 # its package: the core is all that we use.
 MUJOCO := 4.0.0
 
-# Kernels and hulls on a device hang on MuJoCo Warp's version. Of crowds one integrator is enough:
-# the solver is the same.
+# Kernels and hulls on a device hang on MuJoCo Warp's version.
 NOT_OURS := --ignore tests/mjforage/physics/dynamics/test_device_kernels.py \
-	--ignore-glob '*/test_warp_*' \
-	--deselect 'tests/mjforage/physics/simulation/test_crowd.py::test_sparse_and_dense_solvers_agree[Integrator.REFERENCE]'
+	--ignore-glob '*/test_warp_*'
 
 $(VENV)/mujoco-$(MUJOCO)/.installed: $(VENV)/.installed-dev
 	rm -rf $(@D)
@@ -133,6 +131,9 @@ $(VENV)/lowest/.installed: lowest.txt constraints.txt pyproject.toml
 	$(@D)/bin/pip install --quiet --no-deps --editable .
 	$(@D)/bin/pip check
 	touch $@
+
+# What `.ci/run` needs, the two large ones at the same time.
+environments: $(VENV)/.installed-docs $(VENV)/lowest/.installed $(VENV)/mujoco-$(MUJOCO)/.installed
 
 lowest: $(VENV)/lowest/.installed
 	$(<D)/bin/python -m pytest -n 2 --dist worksteal -m 'not slow' -W ignore::DeprecationWarning $(OLD)

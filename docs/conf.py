@@ -25,6 +25,7 @@ extensions = [
     "docstrings",
     "repository_links",
     "pictures",
+    "clean_notebooks",
 ]
 exclude_patterns = ["_site"]
 nitpicky = True
@@ -37,7 +38,6 @@ myst_fence_as_directive = ["math"]
 myst_links_external_new_tab = False
 
 nb_execution_mode = "force"  # notebooks are kept without outputs
-nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 900  # seconds of a cell, on a busy machine
 nb_merge_streams = True

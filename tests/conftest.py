@@ -58,13 +58,20 @@ def _text(path: Path) -> str:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Leave out files of which `-m 'not slow'` would leave out everything, before they load."""
-    if config.option.markexpr != "not slow" or not collection_path.match("test_*.py"):
+    """Leave out files of which `-m` would leave out everything, before they load."""
+    if not collection_path.match("test_*.py"):
         return None
     tests = set(re.findall(r"^def (test_\w+)\(", _text(collection_path), re.MULTILINE))
     file = collection_path.relative_to(config.rootpath).as_posix()
-    slow = tests <= slow_tests().get(file, set()) or _IMPORTS.search(_text(collection_path))
-    return True if slow else None
+    listed = slow_tests().get(file, set())
+    match config.option.markexpr:
+        case "not slow":
+            none = tests <= listed or bool(_IMPORTS.search(_text(collection_path)))
+        case "thorough":
+            none = not (listed and file.startswith(WHOLE))
+        case _:
+            return None
+    return True if none else None
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` chooses

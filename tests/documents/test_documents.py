@@ -29,12 +29,13 @@ LIBRARIES = {
 MOST = {"--episodes": 2, "--jobs": 1, "--duration": 2}
 """No command is run with more than this. Episodes and jobs change no command's meaning, and
 numbers are the same whoever computes; a film of 2 s has all that a longer one has."""
-FEWER = {"DECISIONS": 4096, "EPISODES": 1}
-"""Constants of Python blocks, `DECISIONS = 200_000`: no block trains or plays more."""
+FEWER = {"DECISIONS": 1024, "EPISODES": 1, "duration_s": 2, "n_steps": 128}
+"""Constants and arguments of Python blocks, `DECISIONS = 200_000`: no block trains, plays or films
+more."""
 SETTING_UP = ("pip ", "python3 -m venv", "make ")
 """A statement that begins so is about an environment, which tests have."""
 
-_CONSTANT = re.compile(rf"^({'|'.join(FEWER)}) = ([\d_]+)", re.M)
+_NUMBER = re.compile(rf"(^(?:{'|'.join(FEWER)}) = |\b(?:duration_s|n_steps)=)([\d_]+)", re.M)
 _OF_A_SHELL = re.compile(r"[|&;<>$`]")
 
 
@@ -68,7 +69,7 @@ def smaller(command: list[str]) -> list[str]:
 
 def shorter(script: str) -> str:
     """Return a script with its constants cut to `FEWER`."""
-    return _CONSTANT.sub(lambda at: f"{at[1]} = {min(int(at[2]), FEWER[at[1]])}", script)
+    return _NUMBER.sub(lambda at: f"{at[1]}{min(int(at[2]), FEWER[at[1].strip(' =')])}", script)
 
 
 @pytest.fixture
@@ -140,7 +141,8 @@ def test_every_block_runs(page: str, folder: Path, command: Callable[..., Any]) 
 
 def test_constants_are_cut() -> None:
     text = "DECISIONS = 200_000  # of one agent\nEPISODES = 1\nMORE = 3\nx = DECISIONS = 7\n"
-    assert shorter(text) == text.replace("200_000", "4096")
+    text += "run.film(duration_s=100.0, fps=5)\n"
+    assert shorter(text) == text.replace("200_000", "1024").replace("100", "2")
 
 
 @pytest.mark.parametrize("block", COMMANDS, ids=str)

@@ -1,7 +1,10 @@
 """Extensions of the site: short types of arrays, comments of fields."""
 
 import importlib.util
-from types import ModuleType
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -63,3 +66,14 @@ def test_a_description_beside_a_name_is_no_type() -> None:
     extension("docstrings").write_parameters(None, "", "", None, None, lines)
     assert lines[4:9] == ["path : Path", "    Its file.", "size, n", "    two", "    whole numbers"]
     assert lines[-1] == "UserError : never"
+
+
+def test_what_notebooks_leave_in_their_folder_is_an_error(tmp_path: Path) -> None:
+    folder, connected = tmp_path / "notebooks", dict[str, Callable[..., Any]]()
+    folder.mkdir()
+    app = SimpleNamespace(srcdir=tmp_path, connect=connected.__setitem__)
+    extension("clean_notebooks").setup(app)
+    connected["env-updated"](app, None)
+    (folder / "run.csv").touch()
+    with pytest.raises(Exception, match=r"notebooks leave run\.csv in"):
+        connected["env-updated"](app, None)

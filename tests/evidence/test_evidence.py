@@ -3,6 +3,7 @@
 import json
 import re
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +98,7 @@ def parsed(command: str) -> dict[str, Any]:
     return bound.arguments
 
 
+@cache
 def played(command: str) -> list[str]:
     """Names of policies as their rows have them."""
     given = parsed(command)

@@ -1,8 +1,8 @@
 """Make single faults; their checks have to fail: `python -m tests.mutants [NAME ...]`.
 
 Faults stand in the TOML files of this folder. Each is made in a copy of the repository in a
-temporary folder, where its check is run, once it has passed there without a fault. Exit code 1 if
-one survives.
+temporary folder, where its check is run, once all checks have passed there without a fault. Exit
+code 1 if one survives.
 """
 
 import argparse
@@ -11,11 +11,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
-from itertools import groupby, pairwise
+from itertools import chain, groupby, pairwise
 from pathlib import Path
+from queue import SimpleQueue
 
 from tests.mutants.faults import PACKAGE, ROOT, Mutant, mutants
 
@@ -57,22 +57,43 @@ def page(mutants: Iterable[Mutant]) -> str:
     return "".join(parts)
 
 
-def run_check(check: str, copy: Path) -> tuple[int, str]:
-    """Exit code and last line of a check in the copy as it is."""
+def run_checks(checks: Sequence[str], copy: Path) -> tuple[int, list[str]]:
+    """Exit code and lines of checks, all plain or none, in the copy as it is."""
     # Without the compiler numpy warns of the overflow that hashes are made of.
     quiet = ("--no-header", "--tb=line", "-W", "ignore:overflow:RuntimeWarning")
     plugins = ("-p", "no:xdist", "-p", "no:cacheprovider")
-    plain = {"NUMBA_DISABLE_JIT": "1"} if check.startswith(PLAIN) else {}
+    plain = {"NUMBA_DISABLE_JIT": "1"} if _is_plain(checks[0]) else {}
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-x", *plugins, *quiet, check],
+        [sys.executable, "-m", "pytest", "-x", *plugins, *quiet, *checks],
         cwd=copy,
         env=os.environ | {"PYTHONPATH": str(copy)} | plain,
         capture_output=True,
         text=True,
         check=False,
-        timeout=LONGEST_S,
+        timeout=LONGEST_S * len(checks),
     )
-    return done.returncode, (done.stdout.strip() or done.stderr.strip() or "?").splitlines()[-1]
+    return done.returncode, (done.stdout.strip() or done.stderr.strip() or "?").splitlines()
+
+
+def _is_plain(check: str) -> bool:
+    return check.startswith(PLAIN)
+
+
+def copied(copy: Path) -> Path:
+    """A copy of the repository."""
+    for name in COPIED:
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy2(ROOT / "pyproject.toml", copy)
+    return copy
+
+
+def faults_without(checks: Iterable[str], copy: Path) -> list[str]:
+    """What is wrong with checks where no fault was made, one process for those of a kind."""
+    found = [
+        run_checks(list(dict.fromkeys(those)), copy)
+        for _, those in groupby(sorted(checks, key=_is_plain), key=_is_plain)
+    ]
+    return ["\n".join(["broke without a fault:", *said[-5:]]) for code, said in found if code]
 
 
 def run_mutant(mutant: Mutant, copy: Path) -> str:
@@ -81,25 +102,34 @@ def run_mutant(mutant: Mutant, copy: Path) -> str:
     text, time = path.read_text(encoding="utf-8"), path.stat().st_mtime_ns
     path.write_text(spoilt, encoding="utf-8")
     try:
-        code, said = run_check(mutant.check, copy)
+        code, said = run_checks([mutant.check], copy)
     finally:
         path.write_text(text, encoding="utf-8")
         os.utime(path, ns=(time, time))
-    return f"{ {PASSED: 'SURVIVED', FAILED: 'caught'}.get(code, f'broke ({code})') }: {said}"
+    return f"{ {PASSED: 'SURVIVED', FAILED: 'caught'}.get(code, f'broke ({code})') }: {said[-1]}"
 
 
-def run_all(chosen: list[Mutant]) -> int:
-    """Run mutants in a copy of their own, and return how many were not caught."""
-    survived = 0
-    with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
-        copy = Path(folder)
-        for name in COPIED:
-            shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
-        shutil.copy2(ROOT / "pyproject.toml", copy)
-        sound = cache(lambda check: run_check(check, copy))
-        for mutant in chosen:
-            code, said = sound(mutant.check)
-            found = f"broke without a fault: {said}" if code else run_mutant(mutant, copy)
+def run_all(chosen: list[Mutant], jobs: int) -> int:
+    """Run mutants in so many copies, and return how many were not caught."""
+    with tempfile.TemporaryDirectory(prefix="mutants-") as folder, ThreadPoolExecutor(jobs) as pool:
+        copies = [copied(Path(folder, str(job))) for job in range(jobs)]
+        ends = [len(chosen) * job // jobs for job in range(jobs + 1)]
+        shares = [[one.check for one in chosen[a:b]] for a, b in pairwise(ends)]
+        if broken := [*chain.from_iterable(pool.map(faults_without, shares, copies))]:
+            sys.exit("\n".join(broken))
+        free = SimpleQueue[Path]()
+        for copy in copies:
+            free.put(copy)
+
+        def run(mutant: Mutant) -> str:
+            copy = free.get()
+            try:
+                return run_mutant(mutant, copy)
+            finally:
+                free.put(copy)
+
+        survived = 0
+        for mutant, found in zip(chosen, pool.map(run, chosen), strict=True):
             survived += not found.startswith("caught")
             sys.stdout.write(f"{mutant.name} ({mutant.fault}), {mutant.check}: {found}\n")
             sys.stdout.flush()
@@ -125,11 +155,7 @@ def main() -> None:
     chosen = [known[name] for name in words.name or known]
     if words.some is not None:
         chosen = chosen[words.some % EVERY :: EVERY]
-    chosen.sort(key=lambda mutant: mutant.check)  # each of them once without a fault
-    ends = [len(chosen) * k // words.jobs for k in range(words.jobs + 1)]
-    with ThreadPoolExecutor(words.jobs) as pool:
-        shares = (chosen[begin:end] for begin, end in pairwise(ends))
-        survived = sum(pool.map(run_all, shares))
+    survived = run_all(sorted(chosen, key=lambda mutant: mutant.check), words.jobs)
     sys.stdout.write(f"{len(chosen) - survived} of {len(chosen)} caught\n")
     sys.exit(bool(survived))
 

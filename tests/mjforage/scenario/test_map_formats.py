@@ -163,7 +163,7 @@ def png(width: int, height: int) -> bytes:
             struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
         )
 
-    packed, row = zlib.compressobj(9), bytes(width + 1)
+    packed, row = zlib.compressobj(1), bytes(width + 1)
     body = b"".join(packed.compress(row) for _ in range(height)) + packed.flush()
     head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
