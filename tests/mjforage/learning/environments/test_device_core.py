@@ -23,7 +23,11 @@ CASES: tuple[dict[str, Any], ...] = (
         "reward": {"published": 0.5, "blocked": 1.0, "early": 1.0},
         "dtype": "uint8",
     },
-    {"scenario": "comb-port", "set": {"team.foragers.energy": 3, "team.foragers.capacity": 1}},
+    {
+        "scenario": "comb-port",
+        "set": {"team.foragers.energy": 3, "team.foragers.capacity": 1},
+        "autoreset_mode": "Disabled",
+    },
 )
 
 
