@@ -16,7 +16,11 @@ from tests.mjforage.learning.environments.test_tensors import flat
 
 ENVS = 3
 CASES: tuple[dict[str, Any], ...] = (
-    {"scenario": "comb-port-weather", "autoreset_mode": "SameStep"},
+    {
+        "scenario": "comb-port-weather",
+        "set": {"sensors.camera_fov_deg": 127},
+        "autoreset_mode": "SameStep",
+    },
     {"scenario": "comb-port", "reward": "ddqn"},
     {
         "scenario": "comb-port-gnss",
@@ -25,7 +29,7 @@ CASES: tuple[dict[str, Any], ...] = (
     },
     {
         "scenario": "comb-port",
-        "set": {"team.foragers.energy": 3, "team.foragers.capacity": 1},
+        "set": {"team.foragers.energy": 3, "team.foragers.capacity": 1, "items.mean": 300},
         "autoreset_mode": "Disabled",
     },
 )
