@@ -1,4 +1,4 @@
-"""A mission in numba's simulator of CUDA, and the same on the processor, bit for bit."""
+"""A mission and a taught round in numba's simulator of CUDA, and on the processor, bit for bit."""
 
 from typing import Any
 
@@ -6,6 +6,10 @@ import numpy as np
 
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.policies import create_policy
+from mjforage.learning.environments.core import create_core
+from mjforage.learning.environments.device_core import DeviceCore
+from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.training.rounds import Round
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.worlds import create_mission
@@ -38,7 +42,25 @@ def played(device: str) -> list[Any]:
     return [*states, *kept, *(np.array(part) for frame in frames.frames for part in frame)]
 
 
+def taught(device: str) -> list[Any]:
+    """What agents see, what a teacher shows them and what it earns, decision after decision."""
+    about = "horizon=3", "period_s=3", "items.mean=12", "items.std=0", f"physics.device={device}"
+    core = create_core(EnvironmentOptions("comb-port-weather", "physics", set=about), EPISODES)
+    assert isinstance(core, DeviceCore)
+    lesson, told = Round([core], [np.arange(EPISODES)]), []
+    lesson.start(episode_keys(5, np.arange(EPISODES)))
+    lesson.teach("greedy")
+    for _ in range(3):
+        told += [one.clone().numpy() for one in lesson.see(np.arange(EPISODES)).values()]
+        preferences, demonstrated = lesson.demonstrated()
+        outcome = lesson.play(preferences)
+        told += [np.array(part) for part in (preferences, demonstrated, lesson.masks, *outcome)]
+    return told
+
+
 if __name__ == "__main__":
+    for wanted, one in zip(taught("warp-cpu"), taught("cuda"), strict=True):
+        assert wanted.tobytes() == one.tobytes()
     known, found = played("warp-cpu"), played("cuda")
     assert len(known) == len(found) > 50
     assert np.abs(known[1] - known[16]).max() > 0.1, "they have gone somewhere"
