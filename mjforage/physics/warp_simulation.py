@@ -27,7 +27,7 @@ Float64Array = NDArray[np.float64]
 
 
 class Inputs(NamedTuple):
-    """What acts on the vessels, (simulation, vessel, ...) as of `SimulatedFleet`."""
+    """Inputs of the vessels, (simulation, vessel, ...) as of `SimulatedFleet`."""
 
     commands: Float64Array
     wind: Float64Array

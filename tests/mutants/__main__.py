@@ -30,19 +30,19 @@ PLAIN = (
 PASSED, FAILED = 0, 1  # exit codes of a check; anything else: it could not be run
 LONGEST_S = 900.0
 _PAGE = """<!-- Written by `python -m tests.mutants --page docs/mutants.md`. -->
-# Mutation tests: single faults, and what notices them
+# Mutation tests: single faults, each of which a test notices
 
 `make mutants` makes each fault alone, in a copy of the repository, and runs its check: a test that
 must fail. Continuous integration does so with every fifteenth, others after each commit. The
 faults are data, `tests/mutants/*.toml`. Each names its place by function and text, and a test sees
-to it that this place still exists.
+to it that this place still exists. The check of each stands beside it there.
 """
 EVERY = 15
 _HEAD = """
 ## {topic}
 
-| mutant | fault | check |
-|---|---|---|
+| mutant | fault |
+|---|---|
 """
 
 
@@ -52,8 +52,7 @@ def page(mutants: Iterable[Mutant]) -> str:
     for topic, those in groupby(mutants, key=lambda mutant: mutant.topic):
         parts.append(_HEAD.format(topic=topic.capitalize()))
         for mutant in those:
-            check = mutant.check.split("/")[-1].replace("::", " ")
-            parts.append(f"| `{mutant.name}` | {mutant.fault} | `{check}` |\n")
+            parts.append(f"| `{mutant.name}` | {mutant.fault} |\n")
     return "".join(parts)
 
 

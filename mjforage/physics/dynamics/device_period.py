@@ -55,7 +55,7 @@ Calls = tuple[Call, ...]
 
 
 class Berths(NamedTuple):
-    """Where vessels lie in each node, and its middle, (node, 2) each [m]."""
+    """Berths of vessels in each node, and its middle, (node, 2) each [m]."""
 
     berth_xy: FloatArray
     centre_xy: FloatArray
@@ -234,7 +234,7 @@ class DevicePeriod:
         self._ran = False  # whether the host has written after ticks of the device
 
     def _calls(self) -> tuple[Calls, Calls, Calls]:
-        """What comes before all ticks, a tick with new weather and goals, and one without."""
+        """Calls before all ticks, of a tick with new weather and goals, and of one without."""
         p, bind, active = self._parts, self.hulls.bind, self.active
         about = p.keys, p.tick, p.motion.pose, p.motion.velocity
         measure, seen = p.positioning.on_device(bind, *about)  # type: ignore[attr-defined]

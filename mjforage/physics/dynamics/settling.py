@@ -1,4 +1,4 @@
-"""What a period leaves of the vessels in the state of a mission, in nodes."""
+"""The end of a period for the vessels: what it leaves in the state of a mission, in nodes."""
 
 from typing import NamedTuple
 
