@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from mjforage.base.errors import UserError
 from mjforage.bench.running import Progress, Rate
 from mjforage.learning.environments.vector import ForagingVectorEnv
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
@@ -27,6 +28,8 @@ def speeds(device: str, progress: Progress = lambda key: None) -> dict[str, Rate
 
     Raises `UserError` if there is no such device.
     """
+    if device not in BATCHES:
+        raise UserError(f"bench --device {device}: unknown; choose {', '.join(BATCHES)}")
     found = {}
     for episodes in BATCHES[device]:
         progress(key := f"device_fleets_{episodes}")

@@ -7,7 +7,7 @@ import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ from mjforage.mission.dynamics import (
     mean_drift,
     taken_by,
 )
-from mjforage.mission.exchange import Exchange
+from mjforage.mission.exchange import Exchange, Ideal
 from mjforage.mission.forecasts import Forecasts
 from mjforage.mission.graph_dynamics import GraphDynamics
 from mjforage.mission.initial_state import InitialState
@@ -52,6 +52,7 @@ class DeviceWorld(Protocol):
     """A world whose hulls and items are on a device, see `physics.dynamics.device_period`."""
 
     active: NDArray[np.bool_]
+    hulls: Any  # a `physics.device_hulls.DeviceHulls`
 
     @property
     def bind(self) -> Bind:
@@ -62,6 +63,10 @@ class DeviceWorld(Protocol):
         """Calls that carry out moves of the active episodes."""
         ...
 
+    def check(self) -> None:
+        """Wait for all calls, and refuse what has no place any more."""
+        ...
+
 
 @dataclass(frozen=True)
 class DeviceMission:
@@ -69,12 +74,14 @@ class DeviceMission:
 
     Attributes
     ----------
+    world : hulls and items
     calls : a decision by `preferences` (episode, agent, 9)
     seen : what is known in common
     knowledge, state, ledger : all that changes
     active, step, moves : (episode, ...) as of `Mission`
     """
 
+    world: DeviceWorld
     calls: tuple[Call, ...]
     preferences: NDArray[np.float64]
     seen: Observation
@@ -334,8 +341,7 @@ class Mission:
         """
         pooled = isinstance(policy, UpperBound) and not getattr(policy, "decentralised", False)
         if hasattr(policy, "network_device"):
-            there = self.setup.scenario.physics.device == "cuda"
-            policy.network_device = "cuda" if there else "cpu"
+            policy.network_device = getattr(self._dynamics, "network_device", "cpu")
         policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.owners))
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:
@@ -398,12 +404,14 @@ class Mission:
         return self.state
 
     @property
-    def dynamics(self) -> Dynamics:
-        """The world that it runs in."""
-        return self._dynamics
+    def may_decide_on_device(self) -> bool:
+        """True if whole decisions can be there: hulls with bodies for items, an ideal link."""
+        there = getattr(self._dynamics, "may_decide_on_device", False)
+        return bool(there) and isinstance(self.exchange, Ideal)
 
-    def on_device(self, world: DeviceWorld) -> DeviceMission:
-        """The batch in a world on a device, of ideal communication; see `came_back`."""
+    def on_device(self) -> DeviceMission:
+        """The batch on the device of its hulls, see `may_decide_on_device` and `came_back`."""
+        world: DeviceWorld = cast(Any, self._dynamics).on_device()
         bind, active, state, known = world.bind, world.active, self._state, self._knowledge
         active[:], step, following = self.active, self.step.copy(), self._next_step.copy()
         shape, moves = state.agent_node.shape, Moves.of(state.agent_node.shape)
@@ -425,12 +433,13 @@ class Mission:
             bind(GOES_ON, self.setup.scenario.horizon, active, step, state.item_node, active),
         )
         changed = known, state, self._ledger, active, step, moves
-        return DeviceMission(calls, preferences, seen, *changed)
+        return DeviceMission(world, calls, preferences, seen, *changed)
 
     def came_back(self, device: DeviceMission) -> None:
         """Take in how far decisions on a device have come."""
         self._begin_step(device.step.copy())
-        self.active, self._moves = view_of(device.active.copy()), device.moves
+        self.active = view_of(device.active.copy())
+        self._moves = Moves._make(part.copy() for part in device.moves)
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
         """Play the batch to its end, showing every state to the observers."""

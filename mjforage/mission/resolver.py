@@ -206,6 +206,14 @@ def check_preferences(
     return answer
 
 
+def refuse_nan(preferences: NDArray[np.float64], who: str) -> None:
+    """Raise `UserError` if a policy, by its name for messages, prefers what is no number."""
+    if np.isnan(preferences).any():
+        raise UserError(
+            f"{who}: gives preferences that are NaN; give illegal or unwanted moves -inf"
+        )
+
+
 class Resolver:
     """Turns preferences into moves: agents choose one after the other, see `Fleet.order`."""
 
@@ -260,9 +268,7 @@ class Resolver:
         given = (active, preferences, agent_node, energy_left, belief, acts_by, step, keys)
         ask = Ask(*map(np.ascontiguousarray, given, _ASK_TYPES))
         if not self._resolve(ask, moves):
-            raise UserError(
-                f"{who}: gives preferences that are NaN; give illegal or unwanted moves -inf"
-            )
+            refuse_nan(preferences, who)
         return moves
 
     def on_device(self, bind: Bind, ask: Ask, moves: Moves) -> Call:

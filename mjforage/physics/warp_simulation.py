@@ -48,6 +48,7 @@ class State(NamedTuple):
     heavier: Float64Array  # (simulation, vessel) by what share of its mass
     time_s: Float64Array  # (simulation,)
     unstable: NDArray[np.bool_]  # (simulation, vessel) whether it had no place after a step
+    lost: NDArray[np.int64]  # (simulation,) 1 more than the number of an item without a place; 0
 
 
 @kernel
@@ -89,7 +90,18 @@ def _take(live: Live, step_s: float, state: State, ids: NDArray[np.int64]) -> No
         state.time_s[e] += later
 
 
-GIVE, TAKE = Launch(_give), Launch(_take)
+@kernel
+def _lose_items(
+    active: NDArray[np.bool_], q: Float64Array, kind: Float64Array, lost: NDArray[np.int64]
+) -> None:
+    """Note an item on the water that has no place, in each of the active simulations."""
+    for e in range(active.size):
+        for k in range(kind.shape[1]):
+            if active[e] and kind[e, k] >= 0.0 and not math.isfinite(q[e, k, 0] + q[e, k, 1]):
+                lost[e] = k + 1
+
+
+GIVE, TAKE, LOSE_ITEMS = Launch(_give), Launch(_take), Launch(_lose_items)
 
 
 class WarpSimulation(SimulatedFleet):
@@ -144,6 +156,7 @@ class WarpSimulation(SimulatedFleet):
             heavier,
             self.time_s,
             np.zeros(every[:2], np.bool_),
+            np.zeros(simulations, np.int64),
         )
         self._ids = np.zeros(simulations, np.bool_)
         if items:
@@ -215,20 +228,25 @@ class WarpSimulation(SimulatedFleet):
         self._ids[:] = False
         self._ids[self._every if ids is None else ids] = True
         self.hulls.renew()
-        step = self.calls(self._ids)
+        step = *self.calls(self._ids), self.losing(self._ids)
         for _ in range(steps):
             self.hulls.run(step)
             self.hulls.wait()
             self.fetch()
-            self.check(self._ids)
+            self.check()
 
     def fetch(self) -> None:
         """Have the host know of what the device has written."""
         for array in self.arrays:
             self.hulls.arrays.fetch(array)
 
-    def check(self, active: NDArray[np.bool_]) -> None:
-        """Refuse simulations (simulation,) in which something has no place, as the host knows it.
+    def losing(self, active: NDArray[np.bool_]) -> Call:
+        """Note items without a place, in the simulations that an array (simulation,) then has."""
+        afloat = self._afloat
+        return self.hulls.bind(LOSE_ITEMS, active, afloat.q, afloat.kind, self._state.lost)
+
+    def check(self) -> None:
+        """Refuse simulations in which something was noted to have no place, as the host knows it.
 
         Raises `InstabilityError`.
         """
@@ -236,7 +254,7 @@ class WarpSimulation(SimulatedFleet):
             sim, vessel = np.argwhere(self._state.unstable)[0]
             what = f"body {self.scene.names[vessel]}"
             self._refuse(int(sim), what, "the vessel's parameters and commands")
-        lost = active[:, None] & ~np.isfinite(self._afloat.q).all(axis=2)
-        if lost.any():
-            sim, item = np.argwhere(lost)[0]
-            self._refuse(int(sim), f"item {item}", "the wind and the water given to it")
+        if self._state.lost.any():
+            sim = int(np.flatnonzero(self._state.lost)[0])
+            item = int(self._state.lost[sim]) - 1
+            self._refuse(sim, f"item {item}", "the wind and the water given to it")

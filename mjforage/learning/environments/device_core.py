@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from mjforage.base.device import Call
 from mjforage.base.randomness import UInt64Array
+from mjforage.base.registry import is_ours
 from mjforage.graph_planner.encodings.encoder import DeviceEncoder
 from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.rewards import Amounts, Before
-from mjforage.mission.exchange import Ideal
 from mjforage.mission.mission import DeviceMission
-from mjforage.physics.dynamics.device_period import DevicePeriod
-from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
+from mjforage.mission.resolver import refuse_nan
 
 _OF_KNOWLEDGE = ("agent_node", "energy_left", "n_known")
 _OF_LEDGER = ("t_discovered", "t_collected")
@@ -28,10 +27,10 @@ _OF_LEDGER = ("t_discovered", "t_collected")
 class _Bound:
     """Sub-environments as they are on the device."""
 
-    period: DevicePeriod
     mission: DeviceMission
     decide: tuple[Call, ...]
     look: tuple[Call, ...]
+    mask: tuple[Call, ...]
     terms: dict[str, Amounts]
     small: list[NDArray[Any]]  # of which the host knows after each decision
     levels: dict[str, Any]  # tensors
@@ -49,11 +48,9 @@ class DeviceCore(EnvironmentCore):
     @property
     def fits(self) -> bool:
         """True if all that these sub-environments need has kernels for a device."""
-        mission = self.mission
         return (
-            isinstance(mission.dynamics, MujocoDynamics)
-            and mission.dynamics.may_decide_on_device
-            and isinstance(mission.exchange, Ideal)
+            self.mission.may_decide_on_device
+            and is_ours(type(self._encoder))
             and bool(getattr(self._encoder, "fits_a_device", False))
             and not self._terms.on_host_only
             and self.options.render_mode is None
@@ -71,8 +68,8 @@ class DeviceCore(EnvironmentCore):
         return self._now
 
     def _moved(self) -> _Bound:
-        period = cast(MujocoDynamics, self.mission.dynamics).on_device()
-        bind, there = period.bind, self.mission.on_device(period)
+        there = self.mission.on_device()
+        bind = there.world.bind
         known, state = there.knowledge, there.state
         live = Before.of_state(state, known, there.step)
         copy, reward, terms = self._terms.on_device(bind, state, there.ledger, live)
@@ -81,7 +78,7 @@ class DeviceCore(EnvironmentCore):
         encoder = cast(DeviceEncoder, self._encoder)
         encode, levels = encoder.on_device(bind, every, there.seen)
         mask = self._legal_moves.on_device(bind, known.agent_node, known.energy_left, legal)
-        arrays = period.hulls.arrays
+        arrays = there.world.hulls.arrays
         arrays.send(there.active)
         small = [there.active, there.step, *there.moves, *state, *terms.values()]
         small += [getattr(known, name) for name in _OF_KNOWLEDGE]
@@ -92,41 +89,44 @@ class DeviceCore(EnvironmentCore):
 
         masks = arrays.tensor(legal).view(torch.int8)
         decide = copy, *there.calls, *reward
-        return _Bound(period, there, decide, (encode, mask), terms, small, tensors, masks)
+        return _Bound(there, decide, (encode,), (mask,), terms, small, tensors, masks)
 
     def _advance(
         self, preferences: NDArray[np.float64], played: NDArray[np.bool_]
     ) -> dict[str, Amounts]:
         now = self._there()
-        arrays = now.period.hulls.arrays
+        refuse_nan(preferences, "policy")
+        arrays = now.mission.world.hulls.arrays
         now.mission.preferences[:] = preferences
         arrays.send(now.mission.preferences)
         self._run(now, now.decide)
         for array in now.small:
             arrays.fetch(array)
-        now.period.check()
+        now.mission.world.check()
         self.mission.came_back(now.mission)
         return {name: np.where(played[:, None], one, 0.0) for name, one in now.terms.items()}
 
     @staticmethod
     def _run(now: _Bound, calls: tuple[Call, ...]) -> None:
-        with now.period.hulls.beside_torch():
-            now.period.hulls.run(calls)
+        with now.mission.world.hulls.beside_torch():
+            now.mission.world.hulls.run(calls)
 
     def come_back(self) -> None:
         """Have `mission` know all."""
         if self._now is not None:
             there = self._now.mission
             for array in (*there.knowledge, *there.ledger):
-                self._now.period.hulls.arrays.fetch(array)
+                self._now.mission.world.hulls.arrays.fetch(array)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, Any]:
-        """Levels (env, agent, ...) uint8 of all observations, as live tensors; finds the masks."""
+        """Levels (env, agent, ...) uint8 of all observations, as live tensors."""
         now = self._there()
         self._run(now, now.look)
         return now.levels
 
     @property
     def masks(self) -> Any:
-        """(env, agent, 9) int8 tensor, as of the last look."""
-        return self._there().masks
+        """(env, agent, 9) int8 tensor, live."""
+        now = self._there()
+        self._run(now, now.mask)
+        return now.masks

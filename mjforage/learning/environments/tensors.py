@@ -1,5 +1,6 @@
 """Tensors of torch in the place of arrays of NumPy, for batches on a device."""
 
+import importlib
 from collections.abc import Mapping
 from typing import Any, get_args
 
@@ -29,6 +30,10 @@ class Tensors:
         if device != "cpu" and world == "graph":
             raise UserError(f"device {device}: the graph world has no hulls; give world=physics")
         require(f"device {device}", "torch")
+        if device == "cuda" and not SIMULATED and not _torch().cuda.is_available():
+            raise UserError(
+                "device cuda: there is none here for torch; give warp-cpu, or no device"
+            )
         self._name = "cpu" if SIMULATED else TORCH_NAMES[device]
 
     def of(self, value: Any) -> Any:
@@ -53,6 +58,10 @@ class Tensors:
             whole = dtype == "uint8"
             seen[name] = there.clone() if whole else there.to(torch.float32) * (1.0 / TOP)
         return {**seen, MASK: torch.as_tensor(masks).to(self._name).clone()}
+
+
+def _torch() -> Any:
+    return importlib.import_module("torch")
 
 
 def on_host(value: Any) -> Any:

@@ -19,7 +19,7 @@ from mjforage.learning.environments.checks import (
     chosen_envs,
     env_seeds,
 )
-from mjforage.learning.environments.core import Episodes, create_core
+from mjforage.learning.environments.core import EnvironmentCore, Episodes, create_core
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.single import METADATA
@@ -43,7 +43,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         observation comes at once; the last of the old episode is `info["final_obs"][i]`), or
         `DISABLED` (nothing starts again but by `reset(options={"reset_mask": chosen})`)
     copy : True if every observation is in memory of its own; otherwise the next `step` or `reset`
-        may overwrite it, which is quicker
+        may overwrite it, which is quicker; on a device it always is
     threads : on which hulls move, at most one for each sub-environment; results do not depend on
         it, and the graph world has one
     device : engine of the hulls, `physics.device` ("cuda", "warp-cpu"); all that is given is then
@@ -71,7 +71,8 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
-        self._core = create_core(options, num_envs, threads)
+        create = EnvironmentCore if device is None else create_core
+        self._core = create(options, num_envs, threads=threads)
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
         self._rows = np.arange(num_envs)

@@ -348,14 +348,15 @@ class DevicePeriod:
                 self._fetch(self._exchanged)
                 record()
             self.hulls.run(interval)
+        self.hulls.run((self._parts.simulation.losing(self.active),))
         self.hulls.wait()
         self._fetch(self._exchanged)
         self._ran = True
-        self._parts.simulation.check(active)
+        self._parts.simulation.check()
 
     @property
     def memory_bytes(self) -> int:
-        """Memory of an episode on the device, without that of single threads."""
+        """Memory of an episode on the device."""
         return self.hulls.memory_bytes
 
     def _fetch(self, arrays: list[NDArray[Any]]) -> None:
@@ -372,7 +373,7 @@ class DevicePeriod:
         self.hulls.wait()
         simulation = self._parts.simulation
         self._fetch([self._parts.tick, *simulation.arrays])
-        simulation.check(self.active)
+        simulation.check()
 
     def deciding(self, moves: Moves) -> Calls:
         """Calls that carry out moves of the episodes that are `active`, all of it on the device."""
@@ -385,6 +386,7 @@ class DevicePeriod:
             p.pilot.ordering(bind, active, origin, self._target, self._sent.stay),
             *self._start,
             *interval * (p.ticks // WEATHER_TICKS),
+            p.simulation.losing(active),
             bind(SETTLE, p.ground, active, p.motion.pose, p.record, p.pilot.arrays[0], state),
             bind(JUDGE, active, moves.blocked, p.record, state.outcome),
             bind(READ_ITEMS, active, self._xy, p.ground.water, p.ground.pitch_m, state),

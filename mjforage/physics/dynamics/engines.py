@@ -36,6 +36,8 @@ def check_device(choice: Physics, positioning: str, model: Positioning) -> None:
 
     if not SIMULATED:
         check_found("cuda" if choice.device == "cuda" else "cpu")
+    if choice.device == "cuda":
+        require(what, "numba_cuda")
 
 
 def create_simulation(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel
+from mjforage.base.device import SIMULATED
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.base.rows import scatter_all, scatter_rows
@@ -280,6 +281,11 @@ class MujocoDynamics:
         if recorded:
             self._record()
         load_vessels(self._ground, active, self._room_left, self._simulation.load)
+
+    @property
+    def network_device(self) -> str:
+        """Device of torch where networks decide: that of the hulls."""
+        return "cuda" if self._choice.device == "cuda" and not SIMULATED else "cpu"
 
     @property
     def may_decide_on_device(self) -> bool:

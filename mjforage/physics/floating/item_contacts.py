@@ -66,11 +66,11 @@ class Scratch(NamedTuple):
             "place": (items,),
             "named": (items,),
         }
-        others = np.empty((2, items, 4)), np.empty((items, 4)), np.empty(items)
-        first, following = np.empty(size, np.int32), np.empty(items, np.int32)
-        cell, pairs, order, place, named = (np.empty(shape, np.int64) for shape in whole.values())
-        about = first, following, cell, pairs, order, np.empty(room), place, named
-        return cls(*about, *others, np.empty(items, np.bool_))
+        others = np.zeros((2, items, 4)), np.zeros((items, 4)), np.zeros(items)
+        first, following = np.zeros(size, np.int32), np.zeros(items, np.int32)
+        cell, pairs, order, place, named = (np.zeros(shape, np.int64) for shape in whole.values())
+        about = first, following, cell, pairs, order, np.zeros(room), place, named
+        return cls(*about, *others, np.zeros(items, np.bool_))
 
 
 @kernel

@@ -42,6 +42,7 @@ WORLDS = [
 ]
 SCRATCH = {
     *("in_view", "found", "counted", "best", "place", "manned"),  # of scans
+    *("_separate", "legal"),  # of contacts between items, of choices
     *("arriving", "wanted", "received"),  # of inbox
     *("draws", "shift", "beyond", "gone", "carried"),  # of the items' drift
     *("paths", "met"),  # of plans of the traffic

@@ -86,8 +86,8 @@ class RewardTerms:
 
     @property
     def on_host_only(self) -> list[str]:
-        """Terms that no device computes."""
-        return [name for name, term in self._terms.items() if not hasattr(term, "on_device")]
+        """Terms that no device computes: those of others, whatever they inherit."""
+        return sorted(self._theirs)
 
     def on_device(
         self, bind: Bind, state: Transition, ledger: Ledger, after: Before

@@ -106,9 +106,9 @@ class Potential(ABC):
             calls.append(bind(ONGOING, at.item_node, at.energy_left, step.least, ongoing))
         return *calls, bind(GAIN, self._gamma**step.turns, gains, out)
 
-    @abstractmethod
     def valued(self, bind: Bind, step: DeviceStep, at: Before, out: Amounts) -> Call:
-        """`value` by a kernel, which writes to `out` (episode, agent)."""
+        """`value` by a kernel, which writes to `out` (episode, agent); ours have one."""
+        raise NotImplementedError
 
 
 @kernel

@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 import torch
 
+from mjforage.base.errors import UserError
 from mjforage.learning.environments import vector
 from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.device_core import DeviceCore
 from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.environments.rewards.decisions import TimePassed
 from mjforage.learning.environments.vector import ForagingVectorEnv
+from mjforage.physics.simulation import InstabilityError
 from tests.mjforage.learning.environments.test_tensors import flat
 
 ENVS = 3
@@ -21,15 +24,29 @@ CASES: tuple[dict[str, Any], ...] = (
         "set": {"sensors.camera_fov_deg": 127},
         "autoreset_mode": "SameStep",
     },
-    {"scenario": "comb-port", "reward": "ddqn"},
+    {
+        "scenario": "comb-port",
+        "reward": "ddqn",
+        "set": {
+            "faults.rate_per_h": 300,
+            "corruption.team": "foragers",
+            "corruption.epsilon": 0.5,
+            "rules.start_seen": False,
+        },
+    },
     {
         "scenario": "comb-port-gnss",
         "reward": {"published": 0.5, "blocked": 1.0, "early": 1.0},
         "dtype": "uint8",
     },
     {
-        "scenario": "comb-port",
-        "set": {"team.foragers.energy": 3, "team.foragers.capacity": 1, "items.mean": 300},
+        "scenario": "open-bay",  # some items are collected
+        "set": {
+            "team.foragers.energy": 3,
+            "team.foragers.capacity": 1,
+            "items.mean": 300,
+            "period_s": 8,
+        },
         "autoreset_mode": "Disabled",
     },
 )
@@ -45,6 +62,8 @@ def played(device: str = "warp-cpu", **about: Any) -> tuple[Any, list[dict[str, 
         told.append(flat(env.step(actions)))
         env._core.come_back()
         mission = env._core.mission
+        load = mission._dynamics._simulation.load  # type: ignore[attr-defined]
+        told[-1]["load"] = torch.tensor(load)
         for arrays in (mission.state, mission.knowledge, mission.ledger):
             kept = zip(arrays._fields, arrays, strict=True)
             told[-1] |= {name: torch.tensor(one) for name, one in kept if name != "known_at"}
@@ -68,6 +87,25 @@ def test_a_batch_on_a_device_is_one_of_the_host(about: dict[str, Any]) -> None:
             assert torch.equal(wanted, other[name]), f"step {step}: {name}"
 
 
+def test_what_is_no_number_is_refused_on_a_device() -> None:
+    """Preferences, and places of items, in the decision in which they occur."""
+    env = ForagingVectorEnv(2, world="physics", device="warp-cpu", set={"horizon": 1})
+    env.reset(seed=0)
+    with pytest.raises(UserError, match="policy: gives preferences that are NaN"):
+        env._core.play(np.full((2, 4, 9), np.nan))
+    simulation: Any = env._core.mission._dynamics._simulation  # type: ignore[attr-defined]
+    simulation._afloat.v[1, 3] = np.nan
+    with pytest.raises(InstabilityError, match=r"item 3; check the wind"):
+        env._core.play(np.zeros((2, 4, 9)))
+
+
+class Later(TimePassed):
+    """A term of somebody who has changed one of ours."""
+
+    def __call__(self, step: Any) -> Any:
+        return 2.0 * super().__call__(step)
+
+
 class Nothing:
     """A term of somebody who knows of no device."""
 
@@ -80,6 +118,7 @@ def test_what_has_no_kernels_is_played_by_the_host() -> None:
     term = {f"{__name__}:Nothing": 1.0, "removed": 1.0}
     others: tuple[dict[str, Any], ...] = (
         {"reward": term},
+        {"reward": {f"{__name__}:Later": 1.0}},
         {"observation": "paper"},
         {"set": {"link.model": "none"}},
     )

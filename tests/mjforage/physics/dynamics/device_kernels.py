@@ -65,6 +65,7 @@ LAUNCHES = {
     "separate": SEPARATE,
     "give": warp_simulation.GIVE,
     "take": warp_simulation.TAKE,
+    "lose_items": warp_simulation.LOSE_ITEMS,
     "lose": faults.LOSE,
     "note": device_period.NOTE,
     "count": device_period.COUNT,

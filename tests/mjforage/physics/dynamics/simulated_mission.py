@@ -9,11 +9,13 @@ from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.core import create_core
 from mjforage.learning.environments.device_core import DeviceCore
 from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.environments.vector import ForagingVectorEnv
 from mjforage.learning.training.rounds import Round
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
+from tests.mjforage.learning.environments.test_tensors import flat
 
 CHANGES = ("horizon=4", "period_s=4", "items.mean=12", "items.std=0")
 EPISODES = 2
@@ -58,9 +60,23 @@ def taught(device: str) -> list[Any]:
     return told
 
 
+def stepped(device: str) -> list[Any]:
+    """All that a batch of environments gives, in which one of them starts anew."""
+    changes = {"horizon": 2, "period_s": 1, "items.mean": 6, "items.std": 0}
+    how: Any = {"autoreset_mode": "Disabled", "device": device, "set": changes}
+    env, told = ForagingVectorEnv(EPISODES, world="physics", **how), []
+    told.append(flat(env.reset(seed=1)))
+    for step in range(3):
+        if step:
+            told.append(flat(env.reset(options={"reset_mask": np.array([False, True])})))
+        told.append(flat(env.step(np.full(env.action_space.shape or (), step))))
+    return [np.array(one.numpy()) for each in told for one in each.values()]
+
+
 if __name__ == "__main__":
-    for wanted, one in zip(taught("warp-cpu"), taught("cuda"), strict=True):
-        assert wanted.tobytes() == one.tobytes()
+    for alike in (stepped, taught):
+        for wanted, one in zip(alike("warp-cpu"), alike("cuda"), strict=True):
+            assert wanted.tobytes() == one.tobytes()
     known, found = played("warp-cpu"), played("cuda")
     assert len(known) == len(found) > 50
     assert np.abs(known[1] - known[16]).max() > 0.1, "they have gone somewhere"
