@@ -10,7 +10,7 @@ from pathlib import Path
 
 import mujoco_warp
 
-LIMIT_S = 150  # of each part
+LIMIT_S = 200  # of each part
 HUMANOID = Path(mujoco_warp.__file__).parent / "test_data" / "humanoid" / "humanoid.xml"
 PARTS = {
     "kernels": ("-m", "tests.mjforage.physics.dynamics.repeated_on_device"),

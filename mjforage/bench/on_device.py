@@ -15,7 +15,7 @@ from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.dynamics.ticks import CONTROL_S
 from mjforage.scenario.scenario_file import load_scenario
 
-BATCHES = {"cuda": (1024, 4096, 16384), "warp-cpu": (16,)}
+BATCHES = {"cuda": (4096, 16384), "warp-cpu": (16,)}
 SCENARIO = "comb-port-weather"  # two scouts, two foragers, some 75 items
 DECISIONS, SLICES, STEPS_OF_A_SLICE = 3, 4, 20
 FLEETS = "fleet steps of 0.1 s per second (4 vessels steered, 75 items drifting and collected)"
