@@ -216,16 +216,3 @@ class Episodes:
             self.seed = int(entropy.integers(1 << 63))
         self.number += 1
         return episode_keys(self.seed, np.array([self.number]))
-
-
-def create_core(
-    options: EnvironmentOptions, num_envs: int = 1, threads: int = 1
-) -> EnvironmentCore:
-    """Sub-environments, on the device of their hulls if all of them can be there."""
-    if options.setup.scenario.physics.device != "cpu" and options.world != "graph":
-        from mjforage.learning.environments.device_core import DeviceCore
-
-        core = DeviceCore(options, num_envs, threads=threads)
-        if core.fits:
-            return core
-    return EnvironmentCore(options, num_envs, threads=threads)

@@ -19,7 +19,8 @@ from mjforage.learning.environments.checks import (
     chosen_envs,
     env_seeds,
 )
-from mjforage.learning.environments.core import EnvironmentCore, Episodes, create_core
+from mjforage.learning.environments.core import EnvironmentCore, Episodes
+from mjforage.learning.environments.cores import create_core
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.single import METADATA

@@ -18,7 +18,8 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.encodings import Shapes, create_encoder
 from mjforage.graph_planner.networks.weights import ground_note
-from mjforage.learning.environments.core import EnvironmentCore, create_core
+from mjforage.learning.environments.core import EnvironmentCore
+from mjforage.learning.environments.cores import create_core
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.hyperparameters import WHERE
 from mjforage.learning.training.rounds import Round

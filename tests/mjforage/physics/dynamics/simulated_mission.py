@@ -6,7 +6,7 @@ import numpy as np
 
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.core import create_core
+from mjforage.learning.environments.cores import create_core
 from mjforage.learning.environments.device_core import DeviceCore
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.vector import ForagingVectorEnv
