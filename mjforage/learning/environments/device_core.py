@@ -46,15 +46,22 @@ class DeviceCore(EnvironmentCore):
     _now: _Bound | None = None
 
     @property
-    def fits(self) -> bool:
-        """True if all that these sub-environments need has kernels for a device."""
-        return (
-            self.mission.may_decide_on_device
-            and is_ours(type(self._encoder))
-            and bool(getattr(self._encoder, "fits_a_device", False))
-            and not self._terms.on_host_only
-            and self.options.render_mode is None
-        )
+    def lacking(self) -> str:
+        """Parts of these sub-environments that have no kernels for a device; empty: none."""
+        setup, encoder = self.setup.scenario, self._encoder
+        lacks = {
+            "a link": setup.link.model != "ideal",
+            "items without bodies": setup.physics.items != "bodies",
+            "drawn pictures": self.options.render_mode is not None,
+            f"observation {self.options.observation}": not is_ours(type(encoder))
+            or not hasattr(encoder, "fits_a_device"),
+            "a map without a table of distances": not getattr(encoder, "fits_a_device", True),
+            f"reward {', '.join(self._terms.on_host_only)}": bool(self._terms.on_host_only),
+        }
+        found = [name for name, so in lacks.items() if so]
+        if not found and not self.mission.may_decide_on_device:
+            found = ["this world"]
+        return ", ".join(found)
 
     def start(self, envs: NDArray[np.int64], keys: UInt64Array) -> None:
         """Start episodes of the given keys in sub-environments (env,); the first time in all."""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 
+from mjforage.base.cached import warn_once
 from mjforage.base.errors import UserError
 from mjforage.learning.environments import vector
 from mjforage.learning.environments.core import EnvironmentCore
@@ -113,15 +114,18 @@ class Nothing:
         return np.zeros(step.mission.state.agent_node.shape)
 
 
-def test_what_has_no_kernels_is_played_by_the_host() -> None:
+def test_what_has_no_kernels_is_played_by_the_host(caplog: pytest.LogCaptureFixture) -> None:
     """A term, an observation or a link without them; hulls are on the device all the same."""
-    term = {f"{__name__}:Nothing": 1.0, "removed": 1.0}
-    others: tuple[dict[str, Any], ...] = (
-        {"reward": term},
-        {"reward": {f"{__name__}:Later": 1.0}},
-        {"observation": "paper"},
-        {"set": {"link.model": "none"}},
+    term, later = f"{__name__}:Nothing", f"{__name__}:Later"
+    others: tuple[tuple[dict[str, Any], str], ...] = (
+        ({"reward": {term: 1.0, "removed": 1.0}}, f"reward {term}"),
+        ({"reward": {later: 1.0}}, f"reward {later}"),
+        ({"observation": "paper"}, "observation paper"),
+        ({"set": {"link.model": "none"}}, "a link"),
+        ({"set": {"physics.items": "graph", "physics.capture": "node"}}, "items without bodies"),
     )
-    for about in others:
+    warn_once.cache_clear()
+    for about, words in others:
         core, _ = played(scenario="comb-port", **about)
         assert type(core) is EnvironmentCore
+        assert caplog.messages[-1].startswith(f"device warp-cpu: has no kernels for {words}; ")
