@@ -5,20 +5,20 @@ Decide -> move -> collect -> drift -> sense -> exchange -> log.
 
 import copy
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import Any, Protocol, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import BoundKernel, kernel
-from mjforage.base.device import Bind, Call, Launch
+from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array, episode_keys
 from mjforage.base.rows import scatter_all, scatter_rows
 from mjforage.base.views import CachedViews, read_only, view_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.device_mission import COUNT_STEP, DeviceMission, DeviceWorld
 from mjforage.mission.dynamics import (
     COUNT_TAKEN,
     GOES_ON,
@@ -46,62 +46,6 @@ from mjforage.mission.stores import Stores
 from mjforage.mission.task import NEVER, GroundTruth, Observation
 
 _ONE = np.ones(1, np.int32)
-
-
-class DeviceWorld(Protocol):
-    """A world whose hulls and items are on a device, see `physics.dynamics.device_period`."""
-
-    active: NDArray[np.bool_]
-    hulls: Any  # a `physics.device_hulls.DeviceHulls`
-
-    @property
-    def bind(self) -> Bind:
-        """Binds kernels to arrays of the host, or to what these are on the device."""
-        ...
-
-    def deciding(self, moves: Moves) -> tuple[Call, ...]:
-        """Calls that carry out moves of the active episodes."""
-        ...
-
-    def check(self) -> None:
-        """Wait for all calls, and refuse what has no place any more."""
-        ...
-
-
-@dataclass(frozen=True)
-class DeviceMission:
-    """A batch of episodes on a device, by arrays of the host that stand for those there.
-
-    Attributes
-    ----------
-    world : hulls and items
-    calls : a decision by `preferences` (episode, agent, 9)
-    seen : what is known in common
-    knowledge, state, ledger : all that changes
-    active, step, moves : (episode, ...) as of `Mission`
-    """
-
-    world: DeviceWorld
-    calls: tuple[Call, ...]
-    preferences: NDArray[np.float64]
-    seen: Observation
-    knowledge: Knowledge
-    state: Transition
-    ledger: Ledger
-    active: NDArray[np.bool_]
-    step: Int32Array
-    moves: Moves
-
-
-@kernel
-def _count_step(active: NDArray[np.bool_], step: Int32Array, following: Int32Array) -> None:
-    """Count a decision of the active episodes."""
-    for e in range(active.size):
-        step[e] += active[e]
-        following[e] = step[e] + 1
-
-
-COUNT_STEP = Launch(_count_step)
 
 
 class Mission:

@@ -141,26 +141,6 @@ class WarpHulls:
         self._data.qvel.zero_()
         self._data.act.zero_()
 
-    def put(self, *state: NDArray[np.float64]) -> None:
-        """Set all that a step hangs on.
-
-        Parameters
-        ----------
-        state : poses half a step ahead (world, vessel, 3) and velocities (world, vessel, 3), as
-            MuJoCo has them; lagged commands and commands (world, vessel, 2); and the fields of
-            `vessel_motion.Surroundings` (world, vessel, 9)
-        """
-        data, flat = self._data, [part.reshape(len(part), -1).astype(np.float32) for part in state]
-        for array, part in zip((data.qpos, data.qvel, data.act, data.ctrl), flat, strict=False):
-            array.assign(part)
-        self._around.assign(flat[-1].reshape(self._around.shape))
-
-    def state(self) -> tuple[NDArray[np.float32], ...]:
-        """Poses half a step ahead, velocities, lagged commands, as of `put`."""
-        data, each = self._data, (-1, self._vessels)
-        q, v, act = data.qpos.numpy(), data.qvel.numpy(), data.act.numpy()
-        return q.reshape(*each, VESSEL_DOFS), v.reshape(*each, VESSEL_DOFS), act.reshape(*each, 2)
-
     def command(self, commands: NDArray[np.float64]) -> None:
         """Set the commands (world, vessel, 2), port and starboard, [rad/s] or [N]."""
         self._data.ctrl.assign(commands.reshape(len(commands), -1).astype(np.float32))
@@ -168,7 +148,7 @@ class WarpHulls:
     @property
     def live(self) -> tuple[Any, Any, Any, Any, Any]:
         """Warp's own arrays of float32: places and velocities (world, 3 x vessel), lagged commands
-        and commands (world, 2 x vessel), surroundings (world, vessel, 9), as of `put`.
+        and commands (world, 2 x vessel), surroundings (world, vessel, 9), .
         """
         data = self._data
         return data.qpos, data.qvel, data.act, data.ctrl, self._around

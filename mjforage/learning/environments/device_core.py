@@ -16,7 +16,7 @@ from mjforage.base.registry import is_ours
 from mjforage.graph_planner.encodings.encoder import DeviceEncoder
 from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.rewards import Amounts, Before
-from mjforage.mission.mission import DeviceMission
+from mjforage.mission.device_mission import DeviceMission
 from mjforage.mission.resolver import refuse_nan
 
 _OF_KNOWLEDGE = ("agent_node", "energy_left", "n_known")

@@ -300,7 +300,8 @@ class MujocoDynamics:
         return self._on_device
 
     def _moved(self) -> "DevicePeriod":
-        from mjforage.physics.dynamics.device_period import Berths, DevicePeriod, Parts
+        from mjforage.physics.dynamics.device_period import DevicePeriod, Parts
+        from mjforage.physics.dynamics.device_ticks import Berths
 
         return DevicePeriod(
             Parts(

@@ -27,12 +27,10 @@ def _count(
         out[e] = 0.0
         for k in range(agent.shape[1]):
             if when[e, k] == step[e] and agent[e, k] >= 0:
-                for a in range(agents):
-                    if shared or a == agent[e, k]:
-                        out[e, a] += 1.0
+                out[e, 0 if shared else agent[e, k]] += 1.0
         if shared:
-            for a in range(agents):
-                out[e, a] /= agents
+            for a in range(agents - 1, -1, -1):
+                out[e, a] = out[e, 0] / agents
 
 
 COUNT = Launch(_count)

@@ -25,13 +25,13 @@ from mjforage.learning.environments.rewards import (
 )
 from mjforage.learning.environments.vector import ForagingVectorEnv
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
-from mjforage.mission import dynamics, item_rule, mission, resolver, stores
+from mjforage.mission import device_mission, dynamics, item_rule, resolver, stores
 from mjforage.mission.sensors import sensing_update
 from mjforage.mission.setup import Setup
 from mjforage.physics import warp_simulation
 from mjforage.physics.dynamics import (
     collecting,
-    device_period,
+    device_ticks,
     faults,
     item_bodies,
     mujoco_dynamics,
@@ -67,25 +67,25 @@ LAUNCHES = {
     "take": warp_simulation.TAKE,
     "lose_items": warp_simulation.LOSE_ITEMS,
     "lose": faults.LOSE,
-    "note": device_period.NOTE,
-    "count": device_period.COUNT,
-    "read_places": device_period.READ_PLACES,
-    "shift": device_period.SHIFT,
-    "add": device_period.ADD,
-    "show_all": device_period.SHOW_ALL,
-    "remove": device_period.REMOVE,
+    "note": device_ticks.NOTE,
+    "count": device_ticks.COUNT,
+    "read_places": device_ticks.READ_PLACES,
+    "shift": device_ticks.SHIFT,
+    "add": device_ticks.ADD,
+    "show_all": device_ticks.SHOW_ALL,
+    "remove": device_ticks.REMOVE,
     "wind": forcing.WIND,
     "current": forcing.CURRENT,
     "item_noise": forcing.ITEM_NOISE,
     "collect": item_rule.COLLECT,
     "sense_perfectly": sensing_update.SENSE_PERFECTLY,
     "sense_imperfectly": sensing_update.SENSE_IMPERFECTLY,
-    "send": device_period.SEND,
+    "send": device_ticks.SEND,
     "order": pilot.ORDER,
     "settle": settling.SETTLE,
     "load_vessels": settling.LOAD_VESSELS,
     "resolve": resolver.RESOLVE,
-    "count_step": mission.COUNT_STEP,
+    "count_step": device_mission.COUNT_STEP,
     "count_taken": dynamics.COUNT_TAKEN,
     "goes_on": dynamics.GOES_ON,
     "take_stock": stores.TAKE_STOCK,
