@@ -148,7 +148,7 @@ class WarpHulls:
     @property
     def live(self) -> tuple[Any, Any, Any, Any, Any]:
         """Warp's own arrays of float32: places and velocities (world, 3 x vessel), lagged commands
-        and commands (world, 2 x vessel), surroundings (world, vessel, 9), .
+        and commands (world, 2 x vessel), surroundings (world, vessel, 9).
         """
         data = self._data
         return data.qpos, data.qvel, data.act, data.ctrl, self._around
