@@ -186,4 +186,5 @@ def test_a_number_of_items_that_is_not_positive_becomes_the_given_one() -> None:
     plain = create_initial_state(*common).n_items
     other = create_initial_state(OPEN, Items(1.0, 2.0, otherwise=10), *common[2:]).n_items
     changed = np.flatnonzero(plain != other)
+    assert (plain > 0).all() and (other > 0).all()
     assert 50 < changed.size < 150 and (plain[changed] == 1).all() and (other[changed] == 10).all()
