@@ -17,7 +17,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import BoundKernel
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
 
@@ -64,6 +64,46 @@ class OnDevice:
         """
         self.here, self._memory_bytes = here, 0
         self._copies: dict[int, tuple[NDArray[Any], Any]] = {}
+        self._bound: list[tuple[NDArray[Any], Any]] = []  # in the order in which kernels were given
+        self._of_threads: list[Any] = []  # likewise
+        self._before: OnDevice | None = None
+        self._rows = FIRST
+
+    def renewed(self, rows: NDArray[np.int64]) -> "OnDevice":
+        """The same memory of the device for other arrays of the host, of which some rows are new.
+
+        Kernels have to be bound again in the same order, to arrays of the same shapes; what is
+        bound beyond that is copied whole.
+
+        Parameters
+        ----------
+        rows : (row,) episodes whose rows are written into memory of the device; of arrays that all
+            episodes share, all is written
+        """
+        new = OnDevice(self.here)
+        new._before, new._rows = self, rows
+        if self._before is not None:  # some of which may not be bound again yet
+            self._bound += self._before._bound[len(self._bound) :]
+            self._of_threads += self._before._of_threads[len(self._of_threads) :]
+            self._before = None
+        return new
+
+    def bound(self, array: NDArray[Any], shared: bool) -> Any:
+        """The copy of an array to which a kernel is bound, see `renewed`.
+
+        `shared`: True if all episodes have it.
+        """
+        before = self._before._bound if self._before else []
+        if len(self._bound) < len(before) and not self.here and id(array) not in self._copies:
+            old, copy = before[len(self._bound)]
+            _check_alike(array, old)
+            self._copies[id(array)] = array, copy
+            if not shared:
+                _write_rows(array, copy, self._rows)
+            elif not (old is array or np.array_equal(old, array)):
+                _write(array, copy)
+        self._bound.append((array, self.of(array)))
+        return self._bound[-1][1]
 
     def of(self, array: NDArray[Any]) -> Any:
         """The copy of an array, made when it is first asked for."""
@@ -76,7 +116,13 @@ class OnDevice:
         if self.here:
             return self.of(array)
         self._memory_bytes += threads * array.nbytes
-        return _copied(np.broadcast_to(array, (threads, *array.shape)))
+        before = self._before._of_threads if self._before else []
+        every = np.broadcast_to(array, (threads, *array.shape))
+        number = len(self._of_threads)
+        copy = before[number] if number < len(before) else _copied(every)
+        _check_alike(every, copy)
+        self._of_threads.append(copy)
+        return copy
 
     def shared(self, copy: Any) -> NDArray[Any]:
         """An array of the host for which one of Warp, of plain numbers, stands on the device."""
@@ -185,7 +231,9 @@ class Launch:
             return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
         if not isinstance(value, np.ndarray):
             return value
-        return device.of_threads(value, episodes) if self.is_memory(name) else device.of(value)
+        if self.is_memory(name):
+            return device.of_threads(value, episodes)
+        return device.bound(value, _is_in(name, self._shared))
 
     def _view(self, name: str, text: str, kind: Kind, known: dict[str, Any]) -> str:
         """The text of an argument, or a part of one, as a thread gives it to the kernel."""
@@ -203,6 +251,17 @@ class Launch:
         if name == "ids":
             return f"FIRST[: 1 if {text}[e] else 0]"
         return f"{text}[e]" if self.is_memory(name) else f"{text}[e : e + 1]"
+
+
+@kernel
+def _put_rows(values: NDArray[Any], place: NDArray[np.int64], into: NDArray[Any]) -> None:
+    """Write values (row, ...) into episodes that have a place (episode,) of 0 or more in them."""
+    for e in range(place.size):
+        for k in range(into.shape[1] if place[e] >= 0 else 0):
+            into[e, k] = values[place[e], k]
+
+
+PUT_ROWS = Launch(_put_rows, shared="values")
 
 
 def _cuda() -> Any:
@@ -238,6 +297,24 @@ def _is_in(name: str, wanted: list[str]) -> bool:
 def _copied(array: NDArray[Any]) -> Any:
     whole = np.ascontiguousarray(array)
     return whole.copy() if SIMULATED else _cuda().to_device(whole)
+
+
+def _check_alike(array: NDArray[Any], before: Any) -> None:
+    """Raise `ValueError` if an array does not fit where another was."""
+    if (array.shape, array.dtype) != (before.shape, before.dtype):
+        raise ValueError(f"bound {array.dtype} {array.shape}, before {before.dtype} {before.shape}")
+
+
+def _write_rows(array: NDArray[Any], copy: Any, rows: NDArray[np.int64]) -> None:
+    """Write rows of an array of the host into its copy."""
+    if not array.size or not rows.size:
+        return
+    place = np.full(len(array), -1)
+    place[rows] = np.arange(rows.size)
+    kind = np.int64 if array[:1].nbytes % 8 == 0 else np.uint8  # whatever it holds
+    values = array[rows].reshape(rows.size, -1).view(kind)
+    into = copy.reshape(len(array), -1).view(kind)
+    PUT_ROWS(len(array), _copied(values), _copied(place), into)
 
 
 def _write(array: NDArray[Any], copy: Any) -> None:

@@ -60,11 +60,15 @@ class DeviceHulls:
         self.hulls = WarpHulls(scene, worlds, step_s=step_s, device=self._warp_name)
         self._here = device == "warp-cpu"
         self.step: Call = lambda stream: self.hulls.advance()
+        self.arrays = OnDevice(self._here)
         self.renew()
 
-    def renew(self) -> None:
-        """Forget what arrays of the host are on the device, but Warp's, and what is bound to it."""
-        self.arrays = OnDevice(self._here)
+    def renew(self, rows: NDArray[np.int64] | None = None) -> None:
+        """Forget what arrays of the host are on the device, but Warp's, and what is bound to it.
+
+        `rows`: worlds of which the host knows more; the memory of all stays, see `OnDevice`.
+        """
+        self.arrays = OnDevice(self._here) if rows is None else self.arrays.renewed(rows)
         self.live = Live(*map(self.arrays.shared, self.hulls.live))
 
     @property

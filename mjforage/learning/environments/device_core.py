@@ -1,7 +1,8 @@
 """Sub-environments whose decisions are on a device, from the preferences to what agents see.
 
 What is small comes back to this machine after each decision: rewards, ends, places of vessels and
-items. Maps of what is known, and the observations, stay there until episodes start anew.
+items. Maps of what is known, and the observations, stay there; of episodes that start, their rows
+are written there.
 """
 
 from dataclasses import dataclass
@@ -66,7 +67,8 @@ class DeviceCore(EnvironmentCore):
     def start(self, envs: NDArray[np.int64], keys: UInt64Array) -> None:
         """Start episodes of the given keys in sub-environments (env,); the first time in all."""
         super().start(envs, keys)
-        self._now = None
+        goes_on = self._now is not None and envs.size < self.num_envs
+        self._now = self._moved() if goes_on else None  # the device alone knows those that go on
 
     def _there(self) -> _Bound:
         """All on the device, moved there if it is not."""

@@ -101,11 +101,14 @@ class DevicePeriod:
     hulls : the vessels on the device
     """
 
-    def __init__(self, parts: Parts) -> None:
-        """Bind all kernels to the parts' arrays, which the device then has as well."""
+    def __init__(self, parts: Parts, rows: NDArray[np.int64] | None = None) -> None:
+        """Bind all kernels to the parts' arrays, which the device then has as well.
+
+        `rows`: (row,) episodes that began anew, where the device has all others; absent: all.
+        """
         self._parts, simulation = parts, parts.simulation
         self.hulls = simulation.hulls
-        self.hulls.renew()
+        self.hulls.renew(rows)
         episodes, vessels = parts.tick.size, len(parts.collects)
         places = np.zeros((episodes, vessels, 2))
         self.active, self._target = np.zeros(episodes, np.bool_), places
@@ -117,6 +120,7 @@ class DevicePeriod:
         self._exchanged = [*shared, *of_items, *parts.motion, parts.tick, simulation.load]
         self._exchanged += simulation.arrays
         self._start, self._first, self._other = self._calls()
+        self._losing = simulation.losing(self.active)
         self._ran = False  # whether the host has written after ticks of the device
 
     def _calls(self) -> tuple[Calls, Calls, Calls]:
@@ -234,7 +238,7 @@ class DevicePeriod:
                 self._fetch(self._exchanged)
                 record()
             self.hulls.run(interval)
-        self.hulls.run((self._parts.simulation.losing(self.active),))
+        self.hulls.run((self._losing,))
         self.hulls.wait()
         self._fetch(self._exchanged)
         self._ran = True
@@ -272,7 +276,7 @@ class DevicePeriod:
             p.pilot.ordering(bind, active, origin, self._target, self._sent.stay),
             *self._start,
             *interval * (p.ticks // WEATHER_TICKS),
-            p.simulation.losing(active),
+            self._losing,
             bind(SETTLE, p.ground, active, p.motion.pose, p.record, p.pilot.arrays[0], state),
             bind(JUDGE, active, moves.blocked, p.record, state.outcome),
             bind(READ_ITEMS, active, self._xy, p.ground.water, p.ground.pitch_m, state),

@@ -137,6 +137,7 @@ class MujocoDynamics:
         """Start a batch of episodes and return their state at step 0."""
         episodes, items = initial.item_node.shape
         self._on_device: DevicePeriod | None = None
+        self._begun: NDArray[np.int64] | None = None  # rows of which the host alone knows
         self._simulation = create_simulation(
             self._choice,
             self._scene,
@@ -178,7 +179,8 @@ class MujocoDynamics:
     ) -> Transition:
         """Start other episodes in some rows (row,) of the batch; returns the state of all."""
         fresh = start_state(initial, self._centres)
-        self._leave_device()
+        wider = initial.item_node.shape[1] > self._state.item_node.shape[1]
+        self._leave_device(None if wider else rows)
         self._simulation.restart(rows, names, initial.item_node.shape[1] if self._bodies else 0)
         self._pilot.reset(rows)
         self._positioning.reset(rows)
@@ -230,7 +232,7 @@ class MujocoDynamics:
 
         `pose`: (row, vessel, 3) [m], [rad].
         """
-        self._leave_device()
+        self._leave_device(None if self._on_device else rows)
         self._simulation.place_vessels(pose, ids=rows)
         self._motion = self._measured()
 
@@ -296,7 +298,7 @@ class MujocoDynamics:
     def on_device(self) -> "DevicePeriod":
         """The ticks of a period on the device, which then has all of the batch."""
         if self._on_device is None:
-            self._on_device = self._moved()
+            self._on_device, self._begun = self._moved(), None
         return self._on_device
 
     def _moved(self) -> "DevicePeriod":
@@ -330,7 +332,8 @@ class MujocoDynamics:
                 berths=Berths(self._berths_xy, self._centres_xy),
                 ticks=self._ticks,
                 substeps=self._substeps,
-            )
+            ),
+            self._begun,
         )
 
     @property
@@ -338,11 +341,20 @@ class MujocoDynamics:
         """Memory of an episode on a device, 0 if it is not there."""
         return 0 if self._on_device is None else self._on_device.memory_bytes
 
-    def _leave_device(self) -> None:
-        """Have the host know all, before it changes any of it."""
-        if self._on_device is not None:
-            self._on_device.end()
-            self._on_device = None
+    def _leave_device(self, rows: NDArray[np.int64] | None) -> None:
+        """Have the host know all, before it changes any of it.
+
+        `rows`: if not None, the episodes that begin anew; those that go on stay on the device.
+        """
+        if rows is None:
+            if self._on_device or self._begun is not None:
+                self.on_device().end()
+            self._begun = None
+        elif self._on_device:
+            self._begun = rows
+        elif self._begun is not None:
+            self._begun = np.union1d(self._begun, rows)
+        self._on_device = None
 
     def _locate(self, active: NDArray[np.bool_]) -> Known:
         """Poses and velocities as the vessels know them: as measured, or as estimated from that."""

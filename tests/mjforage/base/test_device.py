@@ -67,6 +67,33 @@ def test_copies_are_written_and_read(simulated: None) -> None:
     assert copies.fetch(array)[1] == 7.0
 
 
+def test_rows_are_written_where_other_arrays_were(
+    simulated: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the device has of other rows stays, whatever the host holds of them."""
+    put = cast(Any, device.PUT_ROWS.kernel).py_func
+    monkeypatch.setattr(device, "PUT_ROWS", lambda episodes, *arguments: put(*arguments))
+    sums, values = Sums(np.ones(4), np.arange(3.0), np.ones(3)), np.ones((4, 3), np.int16)
+    launch, before = Launch(_add, shared="weight", memory="sums.spare"), OnDevice()
+    known = launch.arguments(before, 4, sums, values, 2.0, values)
+    for copy in known[0][0], known[1]:
+        copy[:] = 7
+    rows = np.array([3, 1])
+    others = Sums(np.arange(4.0), np.arange(3.0), np.ones(3)), np.zeros((4, 3), np.int16)
+    found = launch.arguments(before.renewed(rows), 4, *others, 2.0, others[1])
+    for one, other in zip((*known[0], known[1]), (*found[0], found[1]), strict=True):
+        assert one is other
+    np.testing.assert_array_equal(found[0].total, [7, 1, 7, 3])
+    np.testing.assert_array_equal(found[1], [[7] * 3, [0] * 3] * 2)
+    late = before.renewed(rows).renewed(np.array([0]))  # nothing is bound in between
+    changed = Sums(np.full(4, 5.0), np.arange(3.0) + 1, np.ones(3)), others[1]
+    again = launch.arguments(late, 4, *changed, 2.0, changed[1])
+    np.testing.assert_array_equal(again[0].total, [5, 1, 7, 3])
+    np.testing.assert_array_equal(again[0].weight, [1, 2, 3])
+    with pytest.raises(ValueError, match=r"bound float64 \(5,\), before float64 \(4,\)"):
+        late.renewed(rows).bound(np.zeros(5), False)
+
+
 @pytest.mark.parametrize("value", [-1.5, -1.0, -0.25, 0.0, 0.75, 3.0, 1e9 + 0.5])
 def test_floor_is_that_of_python(value: float) -> None:
     assert floor(value) == cast(Any, floor).py_func(value) == np.floor(value)

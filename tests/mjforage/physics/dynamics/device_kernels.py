@@ -8,7 +8,7 @@ from unittest.mock import patch
 import numpy as np
 
 from mjforage.base.compiled import BoundKernel
-from mjforage.base.device import Launch
+from mjforage.base.device import PUT_ROWS, Launch, OnDevice
 from mjforage.controllers import navigation, pilot
 from mjforage.forcing import forcing
 from mjforage.graph_planner.encodings import egocentric, masks
@@ -47,6 +47,7 @@ from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
 
 LAUNCHES = {
+    "put_rows": PUT_ROWS,
     "command": pilot.COMMAND,
     "giving_way": pilot.GIVING_WAY,
     "tell": pilot.TELL,
@@ -137,6 +138,9 @@ def fly() -> None:
         batch = create_mission(Setup.of(load_scenario(name, about)), "physics")
         batch.reset(0, np.arange(EPISODES))
         batch.run(create_policy("greedy"))
+    of_a_row, place = np.ones((1, 4), np.int64), np.full(EPISODES, -1)
+    into = np.zeros((EPISODES, 4), np.int64)
+    PUT_ROWS.bound(OnDevice(here=True), EPISODES, of_a_row, place, into)(0)
     reward = dict.fromkeys(("mission", "ddqn", "published", "blocked"), 1.0)
     short: Any = {"scenario": "comb-port", "world": "physics", "set": {"period_s": 2}}
     fleets = ForagingVectorEnv(EPISODES, device="warp-cpu", reward=reward, **short)

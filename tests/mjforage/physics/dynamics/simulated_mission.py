@@ -17,31 +17,31 @@ from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.learning.environments.test_tensors import flat
 
-CHANGES = ("horizon=4", "period_s=4", "items.mean=12", "items.std=0")
+CHANGES = ("horizon=4", "period_s=4", "items.mean=12", "items.std=3")
 EPISODES = 2
 
 
 def played(device: str) -> list[Any]:
     """States, frames of the first episode, and what waits for the next decision.
 
-    One of the episodes starts anew in between.
+    Episodes start anew in between, with fewer items and then with more than any before.
     """
     scenario = load_scenario("comb-port-gnss", [f"physics.device={device}", *CHANGES])
-    frames = TrajectoryRecorder()
+    frames: Any = TrajectoryRecorder()
     mission: Any = create_mission(Setup.of(scenario), "physics", frames)
     mission.reset(3, np.arange(EPISODES))
     policy = create_policy("greedy")
     mission.prepare(policy)
     states = []
     for step in range(3):
-        if step == 2:
-            mission.restart(np.array([1]), episode_keys(11, np.array([4])))
+        for row in (1, 0)[: (0, 2, 1)[step]]:  # both, then one of them
+            mission.restart(np.array([row]), episode_keys(11, np.array([step - 1])))
         mission.advance(mission.ask(policy))
         states += [np.array(part) for part in mission.state]
-    mission._dynamics._leave_device()
+    mission._dynamics._leave_device(None)
     rest = mission._dynamics._tracks, mission._dynamics._attempts
     kept = [np.array(part) for each in rest for part in each]
-    return [*states, *kept, *(np.array(part) for frame in frames.frames for part in frame)]
+    return [*states, *kept, *(np.array(part) for frame in frames._parts for part in frame)]
 
 
 def taught(device: str) -> list[Any]:
@@ -61,8 +61,11 @@ def taught(device: str) -> list[Any]:
 
 
 def stepped(device: str) -> list[Any]:
-    """All that a batch of environments gives, in which one of them starts anew."""
-    changes = {"horizon": 2, "period_s": 1, "items.mean": 6, "items.std": 0}
+    """All that a batch of environments gives, in which one of them starts anew.
+
+    It has fewer items than before, then more than any.
+    """
+    changes = {"horizon": 2, "period_s": 1, "items.mean": 6, "items.std": 3}
     how: Any = {"autoreset_mode": "Disabled", "device": device, "set": changes}
     env, told = ForagingVectorEnv(EPISODES, world="physics", **how), []
     told.append(flat(env.reset(seed=1)))
