@@ -3,8 +3,9 @@
 import json
 import reprlib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard, cast
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.mission.setup import Setup
 from mjforage.physics.vessel_moves import open_setup
-from mjforage.scenario.harbours import is_harbour
+from mjforage.scenario.harbours import family, is_family, is_harbour
 from mjforage.scenario.maps import PITCH_M, water_of_array
 from mjforage.scenario.place import is_place
 from mjforage.scenario.scenario import Scenario
@@ -55,6 +56,49 @@ def check_known(arguments: Mapping[str, object], known: Sequence[str]) -> None:
 Overrides = Sequence[str] | Mapping[str, Any]
 
 
+def scenarios_of(scenario: Scenario) -> list[Scenario]:
+    """A scenario on each harbour of its family, or as it is if its map is no family.
+
+    Raises `UserError` if the family's name is not well formed.
+    """
+    if not is_family(scenario.map.file):
+        return [scenario]
+    return [
+        replace(scenario, map=replace(scenario.map, file=name))
+        for name in family(scenario.map.file)
+    ]
+
+
+def on_each_map(scenario: object, grid: object, overrides: object) -> list[dict[str, object]]:
+    """Arguments `scenario`, `map` and `set` of one map each, where these name several.
+
+    Raises `UserError` as `chosen_setup`.
+
+    Parameters
+    ----------
+    grid : also names of maps, or a family of harbours, which the scenario's map may be as well
+    """
+    names = [grid] if isinstance(grid, str | Path) else grid
+    if is_names(names):
+        one_each = [family(str(name)) if is_family(str(name)) else [name] for name in names]
+        return [
+            {"scenario": scenario, "map": name, "set": overrides}
+            for each in one_each
+            for name in each
+        ]
+    if grid is None and not isinstance(scenario, Setup):
+        found = scenarios_of(_chosen_scenario(scenario, None, list(override_texts(overrides))))
+        if len(found) > 1:
+            return [{"scenario": each} for each in found]
+    return [{"scenario": scenario, "map": grid, "set": overrides}]
+
+
+def is_names(grid: object) -> TypeGuard[Sequence[str | Path]]:
+    """True if it is a list of names or paths, of one map each."""
+    listed = isinstance(grid, list | tuple) and bool(grid)
+    return listed and all(isinstance(each, str | Path) for each in cast(Sequence[object], grid))
+
+
 def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
     """The setup from the arguments `scenario=`, `map=` and `set=`.
 
@@ -68,12 +112,19 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
             grid, place = scenario.grid.charted, scenario.grid.place
             depth_m = scenario.grid.depth_m
         scenario = scenario.asked
+    if is_names(grid):
+        raise UserError(f"map = {reprlib.repr(grid)}: several maps, which only make_vec takes")
+    cells = water_of_array(grid) if isinstance(grid, np.ndarray | list) else None
+    changed = _chosen_scenario(scenario, grid, given)
+    return open_setup(changed, cells, place=place, depth_m=depth_m)
+
+
+def _chosen_scenario(scenario: object, grid: object, given: list[str]) -> Scenario:
+    """The scenario with map and overrides; raises as `chosen_setup`."""
     if not isinstance(scenario, str | Path | Scenario):
         raise _unknown("scenario", scenario, "a preset's name, a TOML file or a Scenario")
     found = scenario if isinstance(scenario, Scenario) else load_scenario(str(scenario))
-    cells = None
     if isinstance(grid, np.ndarray | list):
-        cells = water_of_array(grid)
         found = with_values(found, {"map.starts": []}, "map")
     elif isinstance(grid, str | Path):
         starts: dict[str, object] = {"map.starts": []} if is_harbour(str(grid)) else {}
@@ -84,8 +135,7 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
         )
     elif grid is not None:
         raise _unknown("map", grid, "a name, a file or an array (row, column) of booleans")
-    changed = with_overrides(found, given) if given else found
-    return open_setup(changed, cells, place=place, depth_m=depth_m)
+    return with_overrides(found, given) if given else found
 
 
 def override_texts(overrides: object) -> Iterator[str]:

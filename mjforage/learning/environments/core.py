@@ -70,7 +70,14 @@ def _how_it_ended(
 
 
 class EnvironmentCore:
-    """Sub-environments, an episode in each; one is started again whenever its user wants."""
+    """Sub-environments, an episode in each; one is started again whenever its user wants.
+
+    Attributes
+    ----------
+    on_device : True if what agents see is tensors on a device
+    """
+
+    on_device = False
 
     def __init__(
         self,
@@ -165,6 +172,10 @@ class EnvironmentCore:
         """(env, agent, 9) 1 where a move is legal whatever the others choose."""
         known = self.mission.knowledge
         return self._legal_moves(known.agent_node, known.energy_left).view(np.int8)
+
+    def of(self, env: int) -> tuple["EnvironmentCore", int]:
+        """The core that plays a sub-environment, and its number there."""
+        return self, env
 
     def come_back(self) -> None:
         """Have `mission` know all; it does, but where decisions are on a device."""

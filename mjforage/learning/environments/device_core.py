@@ -44,6 +44,7 @@ class DeviceCore(EnvironmentCore):
     On a processor the bits are those of `EnvironmentCore`.
     """
 
+    on_device = True
     _now: _Bound | None = None
 
     @property

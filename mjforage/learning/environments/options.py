@@ -12,7 +12,12 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import encoder_label
 from mjforage.learning.environments.checks import check_mode
-from mjforage.learning.environments.choices import Overrides, check_known, chosen_setup
+from mjforage.learning.environments.choices import (
+    Overrides,
+    check_known,
+    chosen_setup,
+    on_each_map,
+)
 from mjforage.learning.environments.rewards import reward_weights
 from mjforage.learning.environments.spaces import DTYPES
 from mjforage.mission.setup import Setup
@@ -83,3 +88,11 @@ class EnvironmentOptions:
         known = [each.name for each in fields(cls) if each.init]
         check_known(arguments, known)
         return cls(**arguments)
+
+    @classmethod
+    def of_maps(cls, arguments: Mapping[str, Any]) -> list["EnvironmentOptions"]:
+        """Options of each of the maps that keyword arguments name; raises as `of`."""
+        names = "scenario", "map", "set"
+        given = [arguments.get(name, getattr(cls, name)) for name in names]
+        others = {name: one for name, one in arguments.items() if name not in names}
+        return [cls.of(others | each) for each in on_each_map(*given)]

@@ -1,6 +1,6 @@
 """`gymnasium.make_vec("mjforage/Foraging-v0")`: episodes side by side in one batched mission."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from numbers import Integral
 from typing import Any, ClassVar, TypeVar, Unpack, cast
 
@@ -20,7 +20,7 @@ from mjforage.learning.environments.checks import (
     env_seeds,
 )
 from mjforage.learning.environments.core import EnvironmentCore, Episodes
-from mjforage.learning.environments.cores import create_core
+from mjforage.learning.environments.cores import create_core, create_cores
 from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.single import METADATA
@@ -33,7 +33,8 @@ T = TypeVar("T")
 class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
     """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
-    One batched mission plays all sub-environments, in every world.
+    One batched mission plays all sub-environments, in every world; of several maps, one for each.
+    Then number i is on map i modulo their number.
     `info` is laid out as Gymnasium does: beside each key a mask `_key` (env,) of valid entries.
 
     Parameters
@@ -68,16 +69,18 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         if device is not None:
             self._tensors = Tensors(device, arguments.get("world", EnvironmentOptions.world))
             arguments["set"] = with_device(arguments.get("set", ()), device)
-        options = EnvironmentOptions.of(arguments)
+        maps = EnvironmentOptions.of_maps(arguments)
+        options = maps[0]
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
         create = EnvironmentCore if device is None else create_core
-        self._core = create(options, num_envs, threads=threads)
+        self._core = create_cores(create, maps, num_envs, threads)
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
         self._rows = np.arange(num_envs)
-        self._figures = [EpisodeFigure(env) for env in range(num_envs) if self.render_mode]
+        places = [self._core.of(env)[1] for env in range(num_envs) if self.render_mode]
+        self._figures = [EpisodeFigure(env) for env in places]
         agents, shapes = self._core.agents, self._core.shapes
         self._dtype, self._copy = options.dtype, copy
         self._values: dict[str, NDArray[np.float32]] = {}  # of the last observation, to be reused
@@ -146,8 +149,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
             self._start(np.flatnonzero(again), [None] * self.num_envs)
         else:
             again = None
-        for figure in self._figures:
-            figure.see(self._core.mission)
+        self._picture(range(self.num_envs))
         info: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP and over.any():
             info = {"final_obs": self._last_seen(over), "_final_obs": over.copy()}
@@ -166,16 +168,20 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         if not self.render_mode:
             return None
         checked_started(self._core.started, "render")
-        each = zip(self._figures, self._episodes, strict=True)
-        return tuple(figure.draw(self._core, episodes) for figure, episodes in each)
+        each = enumerate(zip(self._figures, self._episodes, strict=True))
+        return tuple(figure.draw(self._core.of(i)[0], episodes) for i, (figure, episodes) in each)
 
     def _start(self, envs: NDArray[np.intp], seeds: list[int | None]) -> None:
         keys = [self._episodes[i].following(seeds[i], self.np_random) for i in envs]
         if envs.size:
             self._core.start(envs.astype(np.int64), np.concatenate(keys))
         self._ended[envs] = False
-        for i in envs if self._figures else ():
-            self._figures[i].see(self._core.mission)
+        self._picture(envs.tolist())
+
+    def _picture(self, envs: Iterable[int]) -> None:
+        """Take note of the state of some, if they are drawn."""
+        for env in envs if self._figures else ():
+            self._figures[env].see(self._core.of(env)[0].mission)
 
     def _observed(self) -> Arrays:
         """Observations of all sub-environments; in new memory if the user wants it."""

@@ -19,6 +19,7 @@ from mjforage.graph_planner.encodings import encoder_label
 from mjforage.graph_planner.networks.weights import Q_NETWORK, TEAMS, WeightsHeader, header_note
 from mjforage.graph_planner.policies.ddqn import QPolicy
 from mjforage.graph_planner.policies.registry import check_policies
+from mjforage.learning.environments.cores import common_shapes
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import labelled
 from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
@@ -27,7 +28,7 @@ from mjforage.learning.training.hyperparameters import CommonHyperparameters
 from mjforage.learning.training.progress import Progress, Row
 from mjforage.learning.training.rounds import Round
 from mjforage.learning.training.task_families import training_task_of
-from mjforage.learning.training.tasks import TrainingTask, common_shapes
+from mjforage.learning.training.tasks import TrainingTask
 from mjforage.mission.task import Task
 from mjforage.scenario.scenario import Scenario
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from mjforage import metrics
 from mjforage.base.errors import UserError
+from mjforage.learning.environments.choices import scenarios_of
+from mjforage.learning.environments.cores import common_shapes
 from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.learning.training.task_families import ends, scenarios_of
-from mjforage.learning.training.tasks import common_shapes
+from mjforage.learning.training.task_families import ends
 from mjforage.mission.policy import Policy
 from mjforage.mission.scoring import METRICS, Scorer
 from mjforage.physics.worlds import create_mission

@@ -1,7 +1,7 @@
 """The episodes of a round side by side, in one core or in several."""
 
-from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.core import EnvironmentCore
+from mjforage.learning.environments.several_cores import SeveralCores
 from mjforage.learning.environments.tensors import on_host
 from mjforage.mission.policy import Policy
 from mjforage.mission.resolver import check_preferences
-
-_Kind = TypeVar("_Kind", bound=np.generic)
 
 
 class Played(NamedTuple):
@@ -39,9 +38,8 @@ class Round:
 
     def __init__(self, cores: Sequence[EnvironmentCore], envs: Sequence[NDArray[np.int64]]) -> None:
         self.cores, self.envs = cores, envs
-        self.num_envs, self.agents = sum(each.size for each in envs), cores[0].agents
-        each = (self.num_envs, self.agents)
-        self._levels = {n: np.zeros((*each, *s), np.uint8) for n, s in cores[0].shapes.items()}
+        self._all = SeveralCores(cores, envs)
+        self.num_envs, self.agents = self._all.num_envs, self._all.agents
         self._teachers: list[Policy] = []
         self._nothing_yet()
 
@@ -54,31 +52,25 @@ class Round:
         """Start episodes of the given keys (env,)."""
         self._teachers = []
         self._nothing_yet()
-        for core, envs in zip(self.cores, self.envs, strict=True):
-            core.start(np.arange(envs.size), keys[envs])
+        self._all.start(np.arange(self.num_envs), keys)
 
     @property
     def active(self) -> NDArray[np.bool_]:
         """(env,) whether an episode goes on."""
-        return self._joined(core.mission.active for core in self.cores) & ~self._over
+        return self._all.active & ~self._over
 
     @property
     def masks(self) -> NDArray[np.int8]:
         """(env, agent, 9) 1 where a move is legal whatever the others choose."""
-        return self._joined(on_host(core.masks) for core in self.cores)
+        masks: NDArray[np.int8] = on_host(self._all.masks)
+        return masks
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, Any]:
         """Levels (env, agent, ...) of each agent's knowledge; only `envs` are of this moment.
 
-        They are tensors where a single core has them on a device, and arrays otherwise.
+        They are tensors where cores are on a device, and arrays otherwise.
         """
-        if len(self.cores) == 1:
-            return self.cores[0].see(envs)
-        for core, own in zip(self.cores, self.envs, strict=True):
-            present = np.flatnonzero(np.isin(own, envs))
-            for name, level in core.see(present).items() if present.size else ():
-                self._levels[name][own[present]] = on_host(level[present])
-        return self._levels
+        return self._all.see(envs)
 
     def play(self, preferences: NDArray[np.float64]) -> Played:
         """Play one decision by preferences (env, agent, 9).
@@ -87,18 +79,14 @@ class Round:
         """
         check_preferences(preferences, (self.num_envs, self.agents), "algorithm", "play was given")
         played = self.active
-        each = [
-            core.play(preferences[envs]) for core, envs in zip(self.cores, self.envs, strict=True)
-        ]
-        for outcome, envs in zip(each, self.envs, strict=True):
-            for name, amounts in outcome.terms.items():
-                amount = (amounts * played[envs, None]).sum()
-                self.earned[name] = self.earned.get(name, 0.0) + float(amount)
-        terminated = self._joined(outcome.terminated for outcome in each) & played
+        outcome = self._all.play(preferences)
+        for name, amounts in outcome.terms.items():
+            amount = (amounts * played[:, None]).sum()
+            self.earned[name] = self.earned.get(name, 0.0) + float(amount)
+        terminated = outcome.terminated & played
         self._over |= terminated
         self._steps += played
-        rewards = self._joined(outcome.rewards for outcome in each) * played[:, None]
-        return Played(self._joined(outcome.taken for outcome in each), rewards, terminated)
+        return Played(outcome.taken, outcome.rewards * played[:, None], terminated)
 
     def teach(self, name: str) -> None:
         """Have a policy ready that shows moves in the episodes that were started."""
@@ -110,13 +98,12 @@ class Round:
         """The teacher's preferences (env, agent, 9), and the moves that it would make or likes as
         much.
         """
-        for core in self.cores:
-            core.come_back()
-        theirs = self._joined(
+        self._all.come_back()
+        theirs: NDArray[np.float64] = self._all.joined(
             core.mission.ask(teacher)
             for core, teacher in zip(self.cores, self._teachers, strict=True)
         )
-        moves = self._joined(
+        moves: NDArray[np.int8] = self._all.joined(
             core.mission.decide(theirs[envs]).direction
             for core, envs in zip(self.cores, self.envs, strict=True)
         )
@@ -134,13 +121,3 @@ class Round:
     def steps(self) -> NDArray[np.int32]:
         """(env,) decisions made."""
         return self._steps
-
-    def _joined(self, parts: Iterable[NDArray[_Kind]]) -> NDArray[_Kind]:
-        """(env, ...) of what each core has for its own; that of a single core as it is."""
-        arrays = list(parts)
-        if len(arrays) == 1:
-            return arrays[0]
-        joined = np.empty((self.num_envs, *arrays[0].shape[1:]), arrays[0].dtype)
-        for array, envs in zip(arrays, self.envs, strict=True):
-            joined[envs] = array
-        return joined

@@ -5,14 +5,15 @@ with the family; the graphs of the last few stay with `navigation_graph`.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 from mjforage.base.randomness import UInt64Array
+from mjforage.learning.environments.choices import scenarios_of
+from mjforage.learning.environments.cores import common_shapes
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.rounds import Round
-from mjforage.learning.training.tasks import TrainingTask, common_shapes
-from mjforage.scenario.harbours import family, is_family
+from mjforage.learning.training.tasks import TrainingTask
+from mjforage.scenario.harbours import is_family
 from mjforage.scenario.scenario import Scenario
 
 Make = Callable[[Scenario], TrainingTask]
@@ -56,19 +57,6 @@ class TaskFamily:
         task = self._make(self._scenarios[turn % len(self._scenarios)])
         common_shapes([*self.examples[:1], *task.options[:1]])
         return task.round(keys)
-
-
-def scenarios_of(scenario: Scenario) -> list[Scenario]:
-    """A scenario on each harbour of its family, or as it is if its map is no family.
-
-    Raises `UserError` if the family's name is not well formed.
-    """
-    if not is_family(scenario.map.file):
-        return [scenario]
-    return [
-        replace(scenario, map=replace(scenario.map, file=name))
-        for name in family(scenario.map.file)
-    ]
 
 
 def ends(scenarios: list[Scenario]) -> list[Scenario]:

@@ -3,7 +3,7 @@
 Settings that are drawn anew for every episode are domain randomisation (Tobin et al., IROS 2017).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from itertools import product
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
-from mjforage.graph_planner.encodings import Shapes, create_encoder
 from mjforage.graph_planner.networks.weights import ground_note
 from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.cores import create_core
@@ -108,25 +107,3 @@ def _drawn(keys: UInt64Array, stream: int, count: int) -> NDArray[np.int64]:
     for e in range(keys.size):
         number[e] = int(uniform(stream_key(keys[e], stream), 0, 0) * count)
     return number
-
-
-def common_shapes(every: Sequence[EnvironmentOptions]) -> Shapes:
-    """Shapes of the pictures of all that is played.
-
-    Raises `UserError` if they cannot share networks and replays.
-    """
-    found = [
-        (
-            each.setup.fleet.collects.tolist(),
-            create_encoder(each.observation, each.setup.task).shapes,
-        )
-        for each in every
-    ]
-    for options, other in zip(every, found, strict=True):
-        if other != found[0]:
-            names = [each.setup.scenario.name for each in (every[0], options)]
-            raise UserError(
-                f"scenarios {names[0]} and {names[1]}: fleets or arrays differ; give "
-                "scenarios with as many scouts and foragers, on the egocentric observation"
-            )
-    return found[0][1]

@@ -56,15 +56,14 @@ CASES: tuple[dict[str, Any], ...] = (
 def played(device: str = "warp-cpu", **about: Any) -> tuple[Any, list[dict[str, Any]]]:
     """All that a batch gives in six steps, in which episodes end and start anew."""
     changes = {"horizon": 3, "period_s": 4, **about.pop("set", {})}
-    env = ForagingVectorEnv(ENVS, world="physics", device=device, set=changes, **about)
+    env: Any = ForagingVectorEnv(ENVS, world="physics", device=device, set=changes, **about)
     rng, told = np.random.default_rng(0), [flat(env.reset(seed=1))]
     for _ in range(6):
         actions: Any = torch.as_tensor(rng.integers(0, 9, env.action_space.shape))
         told.append(flat(env.step(actions)))
         env._core.come_back()
         mission = env._core.mission
-        load = mission._dynamics._simulation.load  # type: ignore[attr-defined]
-        told[-1]["load"] = torch.tensor(load)
+        told[-1]["load"] = torch.tensor(mission._dynamics._simulation.load)
         for arrays in (mission.state, mission.knowledge, mission.ledger):
             kept = zip(arrays._fields, arrays, strict=True)
             told[-1] |= {name: torch.tensor(one) for name, one in kept if name != "known_at"}
@@ -90,11 +89,11 @@ def test_a_batch_on_a_device_is_one_of_the_host(about: dict[str, Any]) -> None:
 
 def test_what_is_no_number_is_refused_on_a_device() -> None:
     """Preferences, and places of items, in the decision in which they occur."""
-    env = ForagingVectorEnv(2, world="physics", device="warp-cpu", set={"horizon": 1})
+    env: Any = ForagingVectorEnv(2, world="physics", device="warp-cpu", set={"horizon": 1})
     env.reset(seed=0)
     with pytest.raises(UserError, match="policy: gives preferences that are NaN"):
         env._core.play(np.full((2, 4, 9), np.nan))
-    simulation: Any = env._core.mission._dynamics._simulation  # type: ignore[attr-defined]
+    simulation = env._core.mission._dynamics._simulation
     simulation._afloat.v[1, 3] = np.nan
     with pytest.raises(InstabilityError, match=r"item 3; check the wind"):
         env._core.play(np.zeros((2, 4, 9)))

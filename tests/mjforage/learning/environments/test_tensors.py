@@ -1,6 +1,6 @@
 """`Foraging-v0` in batches with hulls on a device: tensors in the place of arrays."""
 
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -59,11 +59,11 @@ def test_a_batch_on_a_device_is_one_of_arrays_in_tensors(mode: str) -> None:
 
 
 def test_hulls_move_in_warp() -> None:
-    env = gymnasium.make_vec(ID, 2, device="warp-cpu", **ABOUT)
+    env: Any = gymnasium.make_vec(ID, 2, device="warp-cpu", **ABOUT)
     env.reset(seed=1)
     observation, reward, *_ = env.step(torch.full((2, 4), 2))
     assert isinstance(env, ForagingVectorEnv)
-    dynamics: Any = env._core.mission._dynamics
+    dynamics = cast(Any, env)._core.mission._dynamics
     assert isinstance(dynamics._simulation, WarpSimulation)
     assert observation["local_map"].dtype == torch.float32 and reward.shape == (2,)
     mask = torch.tensor([False, True])
