@@ -31,6 +31,10 @@ class DeviceWorld(Protocol):
         """Calls that carry out moves of the active episodes."""
         ...
 
+    def come_back(self) -> None:
+        """Have the host know where all is."""
+        ...
+
     def check(self) -> None:
         """Wait for all calls, and refuse what has no place any more."""
         ...

@@ -245,6 +245,11 @@ class WarpSimulation(SimulatedFleet):
         afloat = self._afloat
         return self.hulls.bind(LOSE_ITEMS, active, afloat.q, afloat.kind, self._state.lost)
 
+    @property
+    def faults(self) -> list[NDArray[Any]]:
+        """What notes that something has no place, live."""
+        return [self._state.unstable, self._state.lost]
+
     def check(self) -> None:
         """Refuse simulations in which something was noted to have no place, as the host knows it.
 

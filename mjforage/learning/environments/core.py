@@ -177,8 +177,11 @@ class EnvironmentCore:
         """The core that plays a sub-environment, and its number there."""
         return self, env
 
-    def come_back(self) -> None:
-        """Have `mission` know all; it does, but where decisions are on a device."""
+    def come_back(self, maps: bool = True) -> None:
+        """Have `mission` know all; it does, but where decisions are on a device.
+
+        `maps`: also what is known of each node.
+        """
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment.

@@ -1,10 +1,10 @@
 """Sub-environments whose decisions are on a device, from the preferences to what agents see.
 
-What is small comes back to this machine after each decision: rewards, ends, places of vessels and
-items. Maps of what is known, and the observations, stay there; of episodes that start, their rows
-are written there.
+After each decision the host is told rewards, moves, and what tells the end. All else stays there
+until it is asked for; of episodes that start, their rows are written there.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -20,9 +20,6 @@ from mjforage.learning.environments.rewards import Amounts, Before
 from mjforage.mission.device_mission import DeviceMission
 from mjforage.mission.resolver import refuse_nan
 
-_OF_KNOWLEDGE = ("agent_node", "energy_left", "n_known")
-_OF_LEDGER = ("t_discovered", "t_collected")
-
 
 @dataclass(frozen=True)
 class _Bound:
@@ -33,7 +30,7 @@ class _Bound:
     look: tuple[Call, ...]
     mask: tuple[Call, ...]
     terms: dict[str, Amounts]
-    small: list[NDArray[Any]]  # of which the host knows after each decision
+    told: list[NDArray[Any]]  # what the host knows after each decision
     levels: dict[str, Any]  # tensors
     masks: Any  # tensor (env, agent, 9) int8
 
@@ -90,16 +87,15 @@ class DeviceCore(EnvironmentCore):
         mask = self._legal_moves.on_device(bind, known.agent_node, known.energy_left, legal)
         arrays = there.world.hulls.arrays
         arrays.send(there.active)
-        small = [there.active, there.step, *there.moves, *state, *terms.values()]
-        small += [getattr(known, name) for name in _OF_KNOWLEDGE]
-        small += [getattr(there.ledger, name) for name in _OF_LEDGER]
+        told = [there.active, there.step, *there.moves, *terms.values()]
+        told += [known.energy_left, state.item_node]
         shapes = {name: (*legal.shape[:2], *shape) for name, shape in self.shapes.items()}
         tensors = {name: arrays.tensor(one).view(shapes[name]) for name, one in levels.items()}
         import torch
 
         masks = arrays.tensor(legal).view(torch.int8)
         decide = copy, *there.calls, *reward
-        return _Bound(there, decide, (encode,), (mask,), terms, small, tensors, masks)
+        return _Bound(there, decide, (encode,), (mask,), terms, told, tensors, masks)
 
     def _advance(
         self, preferences: NDArray[np.float64], played: NDArray[np.bool_]
@@ -110,8 +106,7 @@ class DeviceCore(EnvironmentCore):
         now.mission.preferences[:] = preferences
         arrays.send(now.mission.preferences)
         self._run(now, now.decide)
-        for array in now.small:
-            arrays.fetch(array)
+        self._fetch(now, now.told)
         now.mission.world.check()
         self.mission.came_back(now.mission)
         return {name: np.where(played[:, None], one, 0.0) for name, one in now.terms.items()}
@@ -121,12 +116,25 @@ class DeviceCore(EnvironmentCore):
         with now.mission.world.hulls.beside_torch():
             now.mission.world.hulls.run(calls)
 
-    def come_back(self) -> None:
-        """Have `mission` know all."""
+    @staticmethod
+    def _fetch(now: _Bound, arrays: Iterable[NDArray[Any]]) -> None:
+        for array in arrays:
+            now.mission.world.hulls.arrays.fetch(array)
+
+    def come_back(self, maps: bool = True) -> None:
+        """Have `mission` know all, by default also what is known of each node."""
         if self._now is not None:
             there = self._now.mission
-            for array in (*there.knowledge, *there.ledger):
-                self._now.mission.world.hulls.arrays.fetch(array)
+            there.world.come_back()
+            self._fetch(self._now, (*there.state, *there.ledger))
+            self._fetch(self._now, there.knowledge if maps else ())
+
+    def facts(self) -> dict[str, NDArray[Any]]:
+        """Steps (env,) made, and shares (env,) of items discovered and removed so far [%]."""
+        if self._now is not None:
+            ledger = self._now.mission.ledger
+            self._fetch(self._now, (ledger.t_discovered, ledger.t_collected))
+        return super().facts()
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, Any]:
         """Levels (env, agent, ...) uint8 of all observations, as live tensors."""

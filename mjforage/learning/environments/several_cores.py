@@ -132,10 +132,10 @@ class SeveralCores:
         found: dict[str, NDArray[Any]] = self._all([core.facts() for core in self.cores])
         return found
 
-    def come_back(self) -> None:
-        """Have all missions know all."""
+    def come_back(self, maps: bool = True) -> None:
+        """Have all missions know all, see `EnvironmentCore.come_back`."""
         for core in self.cores:
-            core.come_back()
+            core.come_back(maps)
 
 
 PARTS = fields(Outcome)

@@ -113,6 +113,7 @@ class Round:
     @property
     def collected(self) -> float:
         """Share of all items that have been collected."""
+        self._all.come_back(maps=False)
         total = sum(int(core.n_items.sum()) for core in self.cores)
         found = (core.mission.ledger.t_collected >= 0 for core in self.cores)
         return sum(int(each.sum()) for each in found) / total

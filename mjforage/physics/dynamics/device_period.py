@@ -262,8 +262,14 @@ class DevicePeriod:
         """Wait for all calls, and refuse what has no place any more; raises `InstabilityError`."""
         self.hulls.wait()
         simulation = self._parts.simulation
-        self._fetch([self._parts.tick, *simulation.arrays])
+        self._fetch(simulation.faults)
+        if any(noted.any() for noted in simulation.faults):
+            self.come_back()
         simulation.check()
+
+    def come_back(self) -> None:
+        """Have the host know where all is."""
+        self._fetch([self._parts.tick, *self._parts.motion, *self._parts.simulation.arrays])
 
     def deciding(self, moves: Moves) -> Calls:
         """Calls that carry out moves of the episodes that are `active`, all of it on the device."""

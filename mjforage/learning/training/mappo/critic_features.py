@@ -22,6 +22,7 @@ def critic_features(played: Round) -> dict[str, NDArray[np.uint8]]:
     """Arrays (env, ...) of `CRITIC_FEATURES` of all episodes of a round, as they are now."""
     out = {n: np.zeros((played.num_envs, *s), np.uint8) for n, s in CRITIC_FEATURES.items()}
     for core, envs in zip(played.cores, played.envs, strict=True):
+        core.come_back(maps=False)
         out["truth.items"][envs, 0] = _items(core.mission)
         out["truth.facts"][envs] = _facts(core)
     return out

@@ -10,6 +10,7 @@ from mjforage.learning.environments.cores import create_core
 from mjforage.learning.environments.device_core import DeviceCore
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.vector import ForagingVectorEnv
+from mjforage.learning.training.mappo.critic_features import critic_features
 from mjforage.learning.training.rounds import Round
 from mjforage.mission.setup import Setup
 from mjforage.mission.trajectory import TrajectoryRecorder
@@ -57,7 +58,9 @@ def taught(device: str) -> list[Any]:
         preferences, demonstrated = lesson.demonstrated()
         outcome = lesson.play(preferences)
         told += [np.array(part) for part in (preferences, demonstrated, lesson.masks, *outcome)]
-    return told
+        told += critic_features(lesson).values()
+        told += [np.array(core.mission.node_drift_rc)]
+    return [*told, np.array(lesson.collected)]
 
 
 def stepped(device: str) -> list[Any]:
