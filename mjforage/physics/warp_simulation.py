@@ -247,7 +247,7 @@ class WarpSimulation(SimulatedFleet):
 
     @property
     def faults(self) -> list[NDArray[Any]]:
-        """What notes that something has no place, live."""
+        """Notes that something has no place, live."""
         return [self._state.unstable, self._state.lost]
 
     def check(self) -> None:

@@ -33,7 +33,7 @@ class SeveralCores:
 
     @property
     def started(self) -> bool:
-        """Whether there are episodes."""
+        """True once there are episodes."""
         return all(core.started for core in self.cores)
 
     def of(self, env: int) -> tuple[EnvironmentCore, int]:
