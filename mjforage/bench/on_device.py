@@ -7,6 +7,7 @@ import numpy as np
 
 from mjforage.base.errors import UserError
 from mjforage.bench.running import Progress, Rate
+from mjforage.learning.environments.device_core import DeviceCore
 from mjforage.learning.environments.vector import ForagingVectorEnv
 from mjforage.learning.environments.waypoint_vector import WaypointVectorEnv
 from mjforage.mission.mission import Mission
@@ -82,7 +83,8 @@ def _decisions(device: str, envs: int) -> Rate:
         actions, started = env.action_space.sample(), time.perf_counter()
         env.step(actions)
         rates.append(envs / (time.perf_counter() - started))
-    return _rate(rates[1:], DECIDED)
+    core = env._core
+    return _rate(rates[1:], DECIDED, core.memory_bytes if isinstance(core, DeviceCore) else 0)
 
 
 def _waypoints(device: str, envs: int) -> Rate:

@@ -129,6 +129,11 @@ class DeviceCore(EnvironmentCore):
             self._fetch(self._now, (*there.state, *there.ledger))
             self._fetch(self._now, there.knowledge if maps else ())
 
+    @property
+    def memory_bytes(self) -> int:
+        """Memory of a sub-environment on the device, with its share of what all have."""
+        return int(self._there().mission.world.hulls.memory_bytes)
+
     def facts(self) -> dict[str, NDArray[Any]]:
         """Steps (env,) made, and shares (env,) of items discovered and removed so far [%]."""
         if self._now is not None:

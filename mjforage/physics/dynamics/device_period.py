@@ -1,33 +1,19 @@
-"""All ticks of a decision on a device, where kernels do what `MujocoDynamics` does in a loop.
+"""All ticks of a decision on a device, where kernels do what `HostPeriod` does in a loop.
 
 The kernels are those that the processor runs. Before the ticks the device is told the orders, after
 them the host knows where all is; in between nothing is copied, but for frames of a trajectory.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.device import Bind, Call
-from mjforage.base.randomness import UInt64Array
-from mjforage.controllers import Pilot
-from mjforage.forcing import Forcing
-from mjforage.mission.dynamics import Transition
 from mjforage.mission.item_rule import COLLECT
 from mjforage.mission.moves import Moves
-from mjforage.physics.dynamics.camera import Camera
-from mjforage.physics.dynamics.collecting import (
-    COLLECT_AT_MOUTH,
-    SEEK,
-    Attempts,
-    Goal,
-    Mouths,
-    Reach,
-    Sent,
-)
+from mjforage.physics.dynamics.collecting import COLLECT_AT_MOUTH, SEEK, Goal, Sent
 from mjforage.physics.dynamics.device_ticks import (
     ADD,
     COUNT,
@@ -37,59 +23,20 @@ from mjforage.physics.dynamics.device_ticks import (
     SEND,
     SHIFT,
     SHOW_ALL,
-    Berths,
 )
-from mjforage.physics.dynamics.faults import LOSE, Failures
+from mjforage.physics.dynamics.faults import LOSE
 from mjforage.physics.dynamics.item_bodies import READ_ITEMS
-from mjforage.physics.dynamics.period_monitor import (
-    JUDGE,
-    MONITOR,
-    MonitorSetup,
-    Motion,
-    PeriodRecord,
-    Tick,
-)
-from mjforage.physics.dynamics.settling import LOAD_VESSELS, SETTLE, Ground
+from mjforage.physics.dynamics.period_monitor import JUDGE, MONITOR, Motion, Tick
+from mjforage.physics.dynamics.period_parts import Parts
+from mjforage.physics.dynamics.settling import LOAD_VESSELS, SETTLE
 from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS
-from mjforage.physics.dynamics.tracks import LOOK_OUT, TRACKED, ItemTracks, LandGrid
-from mjforage.physics.positioning import Positioning
+from mjforage.physics.dynamics.tracks import LOOK_OUT, TRACKED
 from mjforage.physics.scene import parking_xy
 from mjforage.physics.warp_simulation import WarpSimulation
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Calls = tuple[Call, ...]
-
-
-@dataclass(frozen=True)
-class Parts:
-    """A batch of missions, see `MujocoDynamics`; what does not take part is None."""
-
-    simulation: WarpSimulation
-    pilot: Pilot
-    positioning: Positioning
-    forcing: Forcing
-    failures: Failures | None
-    reach: Reach | None  # with intake
-    camera: Camera | None
-    grid: LandGrid
-    bodies: bool
-    contacts: bool
-    monitor: MonitorSetup
-    keys: UInt64Array
-    tick: NDArray[np.int64]
-    motion: Motion
-    state: Transition
-    record: PeriodRecord
-    room_left: NDArray[np.int64]
-    attempts: Attempts
-    mouths: Mouths
-    tracks: ItemTracks
-    collects: BoolArray
-    ground: Ground
-    berths: Berths
-    ticks: int  # of a period
-    substeps: int  # of a tick
 
 
 class DevicePeriod:
@@ -101,7 +48,7 @@ class DevicePeriod:
     hulls : the vessels on the device
     """
 
-    def __init__(self, parts: Parts, rows: NDArray[np.int64] | None = None) -> None:
+    def __init__(self, parts: Parts[WarpSimulation], rows: NDArray[np.int64] | None = None) -> None:
         """Bind all kernels to the parts' arrays, which the device then has as well.
 
         `rows`: (row,) episodes that began anew, where the device has all others; absent: all.
@@ -214,9 +161,15 @@ class DevicePeriod:
         return remove, self._read_places()
 
     def run(
-        self, active: BoolArray, target: FloatArray, sent: Sent, record: Callable[[], None] | None
-    ) -> None:
+        self,
+        active: BoolArray,
+        target: FloatArray,
+        sent: Sent,
+        record: Callable[[Motion], None] | None,
+    ) -> Motion:
         """Play the ticks of a decision, which the pilot has been given.
+
+        Returns: how the vessels move after it.
 
         Raises `InstabilityError` if something has no place any more.
 
@@ -236,13 +189,14 @@ class DevicePeriod:
         for past in range(self._parts.ticks // WEATHER_TICKS):
             if record is not None and past:
                 self._fetch(self._exchanged)
-                record()
+                record(self._parts.motion)
             self.hulls.run(interval)
         self.hulls.run((self._losing,))
         self.hulls.wait()
         self._fetch(self._exchanged)
         self._ran = True
         self._parts.simulation.check()
+        return self._parts.motion
 
     @property
     def memory_bytes(self) -> int:

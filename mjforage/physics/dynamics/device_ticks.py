@@ -1,4 +1,4 @@
-"""Kernels between those of a tick on a device: what `MujocoDynamics` does with arrays of numpy."""
+"""Kernels between those of a tick on a device: what `HostPeriod` does with arrays of numpy."""
 
 from typing import NamedTuple
 

@@ -1,7 +1,7 @@
 """Dynamics in MuJoCo: decisions carried out by vessels in MuJoCo, under one weather for all.
 
-A decision becomes a waypoint; controllers steer at 10 Hz; the state at the period's end is the same
-`Transition` as at graph level. `monitor` defines arrived, late and blocked.
+A decision becomes a waypoint; `HostPeriod` or `DevicePeriod` steer to it; the state at the period's
+end is the same `Transition` as at graph level. `monitor` defines arrived, late and blocked.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import BoundKernel
 from mjforage.base.device import SIMULATED
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
@@ -29,15 +28,8 @@ from mjforage.mission.task import IDLE
 from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.berths import berths, clear_of_walls, turn_of
 from mjforage.physics.dynamics.camera import ticked_camera
-from mjforage.physics.dynamics.collecting import (
-    Attempts,
-    Goal,
-    Reach,
-    Sent,
-    collect_at_mouth,
-    mouths_of,
-    seek,
-)
+from mjforage.physics.dynamics.collecting import Attempts, Reach, Sent, mouths_of
+from mjforage.physics.dynamics.device_ticks import Berths
 from mjforage.physics.dynamics.engines import check_device, create_simulation
 from mjforage.physics.dynamics.faults import failures
 from mjforage.physics.dynamics.fleet_scene import (
@@ -45,24 +37,18 @@ from mjforage.physics.dynamics.fleet_scene import (
     fleet_vessels,
     known_vessels,
 )
+from mjforage.physics.dynamics.host_period import HostPeriod, remove_collected
 from mjforage.physics.dynamics.item_bodies import read_items
-from mjforage.physics.dynamics.period_monitor import (
-    Known,
-    MonitorSetup,
-    Motion,
-    PeriodRecord,
-    Tick,
-    judge,
-    monitor,
-)
+from mjforage.physics.dynamics.period_monitor import MonitorSetup, Motion, PeriodRecord, judge
+from mjforage.physics.dynamics.period_parts import Parts
 from mjforage.physics.dynamics.settling import Ground, load_vessels, settle
 from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS, whole_times
-from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid, look_out, tracked
+from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.positioning import create_positioning
 from mjforage.physics.scaled_vessels import deviations
 from mjforage.physics.simulation import Integrator
-from mjforage.physics.simulation.instability import warnings_suppressed
+from mjforage.physics.simulation.simulated_fleet import SimulatedFleet
 from mjforage.physics.vessel_models import vessel_model
 from mjforage.scenario.debris import item_choices
 from mjforage.scenario.place import Place
@@ -136,7 +122,7 @@ class MujocoDynamics:
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
         episodes, items = initial.item_node.shape
-        self._on_device: DevicePeriod | None = None
+        self._player: HostPeriod | DevicePeriod | None = None  # made when it is needed
         self._begun: NDArray[np.int64] | None = None  # rows of which the host alone knows
         self._simulation = create_simulation(
             self._choice,
@@ -154,7 +140,6 @@ class MujocoDynamics:
         about = self._models, self._chart, episodes, CONTROL_S, errors
         self._pilot = Pilot(*about, notices=notices)
         self._period = PeriodRecord.of(initial.agent_node.shape)
-        self._monitor = BoundKernel(monitor, self._monitor_setup, self._period)
         self._tick = np.zeros(episodes, np.int64)
         self._room_left = np.tile(self._fleet.capacity, (episodes, 1))
         self._state = start_state(initial, self._centres)
@@ -167,7 +152,7 @@ class MujocoDynamics:
         self._place(np.arange(episodes), initial, keys)
         if self._trajectory is not None:
             self._trajectory.start(WEATHER_TICKS * CONTROL_S)
-            self._record()
+            self._record(self._motion)
         return self._state
 
     def restart(
@@ -180,7 +165,7 @@ class MujocoDynamics:
         """Start other episodes in some rows (row,) of the batch; returns the state of all."""
         fresh = start_state(initial, self._centres)
         wider = initial.item_node.shape[1] > self._state.item_node.shape[1]
-        self._leave_device(None if wider else rows)
+        self._leave(None if wider else rows)
         self._simulation.restart(rows, names, initial.item_node.shape[1] if self._bodies else 0)
         self._pilot.reset(rows)
         self._positioning.reset(rows)
@@ -211,8 +196,6 @@ class MujocoDynamics:
         self._keys = keys
         self._forcing = Forcing.of(self._scenario, keys, self._graph, self._globe)
         self._failures = failures(self._scenario.faults, self._fleet, keys)
-        cameras = self._camera, self._grid, keys, self._fleet.collects, self._tracks
-        self._look_out = BoundKernel(look_out, *cameras)
 
     def _place(self, rows: NDArray[np.int64], initial: InitialState, keys: UInt64Array) -> None:
         """Put vessels and items of some episodes where they start."""
@@ -232,9 +215,9 @@ class MujocoDynamics:
 
         `pose`: (row, vessel, 3) [m], [rad].
         """
-        self._leave_device(None if self._on_device else rows)
+        self._leave(None if self._player else rows)
         self._simulation.place_vessels(pose, ids=rows)
-        self._motion = self._measured()
+        self._motion = Motion(self._simulation.vessel_pose, self._simulation.vessel_velocity)
 
     def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
         """(episode, place, 2) velocity of items by mean wind and current [node/step]."""
@@ -245,8 +228,8 @@ class MujocoDynamics:
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: steer, drift, collect. Inactive episodes do not change."""
-        state, ids = self._state, np.flatnonzero(active)
-        if not ids.size:
+        state = self._state
+        if not active.any():
             return state
         target, nodes = self._berths_xy[moves.target], self._centres_xy[moves.target]
         stay = moves.direction == STAY
@@ -254,35 +237,13 @@ class MujocoDynamics:
         self._period.begin(active)
         state.pickup[active] = IDLE
         recorded = self._trajectory is not None and bool(active[0])
-        if self._choice.device != "cpu":
-            record = self._record if recorded else None
-            self.on_device().run(active, target, Sent(nodes, stay), record)
-            self._end_period(active, step, moves, recorded)
-            return state
-        with warnings_suppressed():  # entered once for all ticks
-            for tick in range(self._ticks):
-                known = self._locate(active)
-                self._look(active, known.pose)
-                known = self._off_land(known)
-                if tick % WEATHER_TICKS == 0:
-                    self._feel(active)
-                    self._seek(active, Sent(nodes, stay), known)
-                    if recorded and tick:
-                        self._record()
-                self._steer(active, ids, target, known)
-                if self._intake:
-                    self._collect(active)
-        self._end_period(active, step, moves, recorded)
-        return state
-
-    def _end_period(
-        self, active: NDArray[np.bool_], step: Int32Array, moves: Moves, recorded: bool
-    ) -> None:
-        """Write what became of the decision."""
+        record = self._record if recorded else None
+        self._motion = self._playing.run(active, target, Sent(nodes, stay), record)
         self._settle(active, step, moves)
         if recorded:
-            self._record()
+            self._record(self._motion)
         load_vessels(self._ground, active, self._room_left, self._simulation.load)
+        return state
 
     @property
     def network_device(self) -> str:
@@ -297,170 +258,70 @@ class MujocoDynamics:
 
     def on_device(self) -> "DevicePeriod":
         """The ticks of a period on the device, which then has all of the batch."""
-        if self._on_device is None:
-            self._on_device, self._begun = self._moved(), None
-        return self._on_device
+        return cast("DevicePeriod", self._playing)
 
-    def _moved(self) -> "DevicePeriod":
-        from mjforage.physics.dynamics.device_period import DevicePeriod, Parts
-        from mjforage.physics.dynamics.device_ticks import Berths
+    @property
+    def _playing(self) -> "HostPeriod | DevicePeriod":
+        """The ticks of a period, of the batch as it is."""
+        if self._player is None:
+            parts = self._parts()
+            if self._choice.device == "cpu":
+                self._player = HostPeriod(parts)
+            else:
+                from mjforage.physics.dynamics.device_period import DevicePeriod
 
-        return DevicePeriod(
-            Parts(
-                simulation=cast("WarpSimulation", self._simulation),
-                pilot=self._pilot,
-                positioning=self._positioning,
-                forcing=self._forcing,
-                failures=self._failures,
-                reach=self._reach if self._intake else None,
-                camera=self._camera if self._has_camera else None,
-                grid=self._grid,
-                bodies=self._bodies,
-                contacts=self._contacts,
-                monitor=self._monitor_setup,
-                keys=self._keys,
-                tick=self._tick,
-                motion=self._motion,
-                state=self._state,
-                record=self._period,
-                room_left=self._room_left,
-                attempts=self._attempts,
-                mouths=self._mouths,
-                tracks=self._tracks,
-                collects=self._fleet.collects,
-                ground=self._ground,
-                berths=Berths(self._berths_xy, self._centres_xy),
-                ticks=self._ticks,
-                substeps=self._substeps,
-            ),
-            self._begun,
+                self._player = DevicePeriod(cast("Parts[WarpSimulation]", parts), self._begun)
+            self._begun = None
+        return self._player
+
+    def _parts(self) -> Parts[SimulatedFleet]:
+        return Parts(
+            simulation=self._simulation,
+            pilot=self._pilot,
+            positioning=self._positioning,
+            forcing=self._forcing,
+            failures=self._failures,
+            reach=self._reach if self._intake else None,
+            camera=self._camera if self._has_camera else None,
+            grid=self._grid,
+            bodies=self._bodies,
+            contacts=self._contacts,
+            monitor=self._monitor_setup,
+            keys=self._keys,
+            tick=self._tick,
+            motion=self._motion,
+            state=self._state,
+            record=self._period,
+            room_left=self._room_left,
+            attempts=self._attempts,
+            mouths=self._mouths,
+            tracks=self._tracks,
+            collects=self._fleet.collects,
+            ground=self._ground,
+            berths=Berths(self._berths_xy, self._centres_xy),
+            ticks=self._ticks,
+            substeps=self._substeps,
         )
 
     @property
     def memory_bytes(self) -> int:
         """Memory of an episode on a device, 0 if it is not there."""
-        return 0 if self._on_device is None else self._on_device.memory_bytes
+        return getattr(self._player, "memory_bytes", 0)
 
-    def _leave_device(self, rows: NDArray[np.int64] | None) -> None:
+    def _leave(self, rows: NDArray[np.int64] | None) -> None:
         """Have the host know all, before it changes any of it.
 
         `rows`: if not None, the episodes that begin anew; those that go on stay on the device.
         """
         if rows is None:
-            if self._on_device or self._begun is not None:
-                self.on_device().end()
+            if self._player or self._begun is not None:
+                self._playing.end()
             self._begun = None
-        elif self._on_device:
+        elif self._player:
             self._begun = rows
         elif self._begun is not None:
             self._begun = np.union1d(self._begun, rows)
-        self._on_device = None
-
-    def _locate(self, active: NDArray[np.bool_]) -> Known:
-        """Poses and velocities as the vessels know them: as measured, or as estimated from that."""
-        now = self._motion
-        seen = self._positioning.measure(self._keys, self._tick, now.pose, now.velocity)
-        pose, velocity = self._pilot.locate(active, *seen)
-        return Known(pose, velocity, now.pose if self._positioning.errors is None else pose)
-
-    def _off_land(self, known: Known) -> Known:
-        """With a filter: poses from which the item that each vessel collects lies in the water."""
-        if self._positioning.errors is None or not self._has_camera:
-            return known
-        pose = known.pose.copy()
-        pose[..., :2] += self._tracks.ashore
-        return Known(pose, known.velocity, pose)
-
-    def _feel(self, active: NDArray[np.bool_]) -> None:
-        """Give vessels and items the wind and the water of the moment."""
-        simulation, now = self._simulation, self._tick * CONTROL_S
-        vessels = self._motion.pose[..., :2]
-        simulation.vessel_wind[:], simulation.vessel_water[:] = self._forcing.at(now, vessels)
-        if self._failures is not None:
-            simulation.thrust_loss[:] = self._failures.losses(now)
-        if self._bodies:
-            items = simulation.item_xy
-            simulation.item_wind[:], current = self._forcing.at(now, items)
-            simulation.item_water[:] = current + self._forcing.item_noise(now, items.shape[1])
-
-    def _look(self, active: NDArray[np.bool_], pose: NDArray[np.float64]) -> None:
-        """Let the collectors' cameras look for items, from the measured poses."""
-        if not self._has_camera:
-            return
-        now, xy, nodes = self._motion.pose, self._simulation.item_xy, self._state.item_node
-        sought = self._attempts.item
-        self._look_out(active, self._tick, CONTROL_S, now, pose, xy, nodes, sought)
-
-    def _known(self) -> NDArray[np.float64]:
-        """(episode, vessel, item, 2) places of items as each vessel knows them [m]."""
-        xy, vessels = self._simulation.item_xy, len(self._fleet)
-        if not self._has_camera:
-            return np.broadcast_to(xy[:, None], (len(xy), vessels, *xy.shape[1:]))
-        out = np.empty_like(self._tracks.xy)
-        tracked(self._tracks, self._grid, self._tick, CONTROL_S, out)
-        return out
-
-    def _seek(self, active: NDArray[np.bool_], sent: Sent, known: Known) -> None:
-        """Give the pilots the item to collect, and the one to be ready for after it."""
-        if not self._intake:
-            return
-        goal = Goal.of(*sent.stay.shape)
-        seek(
-            self._reach,
-            self._attempts,
-            active,
-            self._room_left,
-            known.seeking,
-            self._known(),
-            sent,
-            self._tick * np.float64(CONTROL_S),
-            self._state,
-            goal,
-        )
-        self._pilot.collect(goal.xy)
-        self._pilot.expect(goal.next)
-        self._pilot.look_round(goal.look)
-
-    def _steer(
-        self,
-        active: NDArray[np.bool_],
-        ids: NDArray[np.intp],
-        target: NDArray[np.float64],
-        known: Known,
-    ) -> None:
-        """One control tick from what the vessels know: command, step, take note."""
-        simulation, before = self._simulation, self._motion
-        simulation.commands[:] = self._pilot.command(active, known.pose, known.velocity)
-        simulation.step(self._substeps, None if len(ids) == len(active) else ids)
-        if self._contacts:
-            simulation.separate_items(ids)
-        self._motion = self._measured()
-        self._tick[ids] += 1
-        tick = Tick(
-            before=before,
-            after=self._motion,
-            target=target,
-            giving_way=self._pilot.giving_way,
-            met=simulation.contact_pose,
-            lagged=simulation.thruster_state,
-        )
-        self._monitor(active, tick)
-
-    def _measured(self) -> Motion:
-        """The vessels now; copies."""
-        return Motion(self._simulation.vessel_pose, self._simulation.vessel_velocity)
-
-    def _collect(self, active: NDArray[np.bool_]) -> None:
-        """Capture rule `intake`, at every tick."""
-        pose, xy, state = self._motion.pose, self._simulation.item_xy, self._state
-        room, clock = self._room_left, (self._mouths, self._tick * np.float64(CONTROL_S))
-        if collect_at_mouth(self._reach, active, pose, xy, room, state, *clock):
-            self._remove()
-
-    def _remove(self) -> None:
-        """Take the bodies of collected items off the water."""
-        simulation = self._simulation
-        simulation.remove_items((self._state.item_node < 0) & (simulation.item_class >= 0))
+        self._player = None
 
     def _settle(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> None:
         """Write the period's end into the state."""
@@ -474,12 +335,12 @@ class MujocoDynamics:
         read_items(active, self._simulation.item_xy, graph.water, graph.pitch_m, state)
         if not self._intake:
             collect(active, self._fleet.collects, self._room_left, state)
-            self._remove()
+            remove_collected(self._simulation, state)
 
-    def _record(self) -> None:
+    def _record(self, motion: Motion) -> None:
         """A frame of the first episode, with the free wind."""
         assert self._trajectory is not None
         simulation, state, items = self._simulation, self._state, self._state.item_node.shape[1]
         xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
         wind = self._forcing.open_water(self._tick * CONTROL_S).wind[0]
-        self._trajectory.record(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)
+        self._trajectory.record(motion.pose[0], xy, state.item_node[0] >= 0, wind)

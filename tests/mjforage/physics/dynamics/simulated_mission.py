@@ -39,7 +39,7 @@ def played(device: str) -> list[Any]:
             mission.restart(np.array([row]), episode_keys(11, np.array([step - 1])))
         mission.advance(mission.ask(policy))
         states += [np.array(part) for part in mission.state]
-    mission._dynamics._leave_device(None)
+    mission._dynamics._leave(None)
     rest = mission._dynamics._tracks, mission._dynamics._attempts
     kept = [np.array(part) for each in rest for part in each]
     return [*states, *kept, *(np.array(part) for frame in frames._parts for part in frame)]

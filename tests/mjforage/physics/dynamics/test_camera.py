@@ -91,8 +91,9 @@ def test_vessels_hand_cameras_their_true_pose_and_the_one_that_they_measure() ->
     mission, off = create_mission(setup, "physics"), np.array([0.5, -0.25, 0.0])
     mission.reset(0, np.arange(1))
     dynamics: Any = mission._dynamics
-    dynamics._look(np.ones(1, np.bool_), dynamics._motion.pose + off)
-    wrong = (dynamics._known() - dynamics._simulation.item_xy[:, None]).reshape(-1, 2)
+    ticks = dynamics._playing
+    ticks._look(np.ones(1, np.bool_), dynamics._motion.pose + off)
+    wrong = (ticks._known() - dynamics._simulation.item_xy[:, None]).reshape(-1, 2)
     np.testing.assert_allclose(np.nanmedian(wrong, axis=0), off[:2], atol=1e-4)
 
 

@@ -32,7 +32,8 @@ def random_moves(
     dynamics = mission._dynamics
     assert isinstance(dynamics, MujocoDynamics)
     nearest = np.full((episodes, PERIODS + 1, 1), np.inf)
-    inner = dynamics._steer
+    ticks: Any = dynamics._playing
+    inner = ticks._steer
 
     def steer(active: Any, ids: Any, target: NDArray[np.float64], known: Any) -> None:
         inner(active, ids, target, known)
@@ -40,7 +41,7 @@ def random_moves(
         now = (ids, mission.step[ids])
         nearest[now] = np.minimum(nearest[now], off[ids])
 
-    dynamics._steer = steer  # type: ignore[method-assign]
+    ticks._steer = steer
     log = EpisodeLog(mission)
     mission.run(create_policy("random"), (log,))
     made = np.arange(PERIODS + 1)[None, :] <= log.length[:, None]

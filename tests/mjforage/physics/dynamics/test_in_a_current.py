@@ -1,5 +1,7 @@
 """The mission in a current that quays respect: one water for all, and hulls that hold in it."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -49,7 +51,8 @@ def test_vessels_and_items_with_and_without_bodies_feel_one_water() -> None:
     simulation, now = dynamics._simulation, dynamics._tick * 0.1
     active = np.ones(4, np.bool_)
     simulation._afloat.q[:, 0] = dynamics._motion.pose[:, 0, :2] + 0.05  # beside a vessel: active
-    dynamics._feel(active)
+    ticks: Any = dynamics._playing
+    ticks._feel(active)
     simulation.step(1)
     field, items = dynamics._forcing, simulation._afloat.q
     np.testing.assert_array_equal(

@@ -52,7 +52,7 @@ def played(changes: tuple[str, ...], looped: bool) -> list[bytes]:
         kept = *mission.state, *fleets, simulation.item_xy, simulation.vessel_pose
         kept = *kept, simulation.item_class, dynamics._tick, dynamics._tracks.ashore
         states += [np.array(part).tobytes() for part in kept]
-    assert looped == (dynamics._on_device is None)
+    assert type(dynamics._playing).__name__ == ("HostPeriod" if looped else "DevicePeriod")
     return states
 
 

@@ -73,7 +73,8 @@ def test_hulls_draw_power_for_their_own_thrusters(scale: Scale) -> None:
     commands[:, 1] = [(40.0, 70.0), (60.0, 30.0)]
     dynamics._pilot.command = lambda *_: commands  # type: ignore[method-assign]
     vessels: Any = pack_fleet([scaled(load_vessel(name), scale) for name in FLEET])
-    work, inner = np.zeros((len(KEYS), 2)), dynamics._steer
+    ticks: Any = dynamics._playing
+    work, inner = np.zeros((len(KEYS), 2)), ticks._steer
     thrusters = dynamics._simulation.thruster_state
 
     def steer(*about: Any) -> None:
@@ -81,7 +82,7 @@ def test_hulls_draw_power_for_their_own_thrusters(scale: Scale) -> None:
         for at in np.ndindex(work.shape):
             work[at] += 0.1 * drawn_power(vessels[at[1]], *thrusters[at])
 
-    dynamics._steer = steer  # type: ignore[assignment,method-assign]
+    ticks._steer = steer
     advance(dynamics, state)
     np.testing.assert_allclose(dynamics._simulation.vessel_water[..., 0], 0.4, atol=0.01)
     np.testing.assert_allclose(state.work, work, rtol=1e-9)
@@ -192,7 +193,8 @@ def test_what_cameras_saw_drifts_on_until_it_is_used() -> None:
     mission, dynamics = mission_of("open-bay", *camera, *wind, *team, "horizon=5")
     for _ in range(4):
         mission.advance(np.tile(np.eye(9)[STAY], (2, 2, 1)))
-    off = dynamics._known() - dynamics._simulation.item_xy[:, None]
+    ticks: Any = dynamics._playing
+    off = ticks._known() - dynamics._simulation.item_xy[:, None]
     assert np.nanmedian(np.abs(off)) < 0.05
 
 
@@ -211,14 +213,15 @@ def test_hulls_that_a_current_carries_into_a_quay_and_each_other_strike_as_fast_
     pose[1, 1, :2] = quay - (half[1] + 1e-3, 0.0)  # it lies at the quay
     pose[1, 0, :2] = pose[1, 1, :2] - (sum(half) + 0.08 * (3.0 + part), 0.0)
     dynamics._simulation.place_vessels(pose, velocity)
-    dynamics._motion = dynamics._measured()
-    inner, speeds = dynamics._steer, [dynamics._motion.velocity[..., 0]]
+    ticks: Any = dynamics._playing
+    ticks.motion = ticks.motion._replace(pose=pose, velocity=velocity)
+    inner, speeds = ticks._steer, [velocity[..., 0]]
 
     def steer(*about: Any) -> None:
         inner(*about)
-        speeds.append(dynamics._motion.velocity[..., 0])
+        speeds.append(ticks.motion.velocity[..., 0])
 
-    dynamics._steer = steer  # type: ignore[assignment,method-assign]
+    ticks._steer = steer
     impact, told = advance(dynamics, state), np.array(speeds)
     for e, v in ((0, 0), (0, 1), (1, 0)):
         of = told[:, e, v]

@@ -116,7 +116,8 @@ def test_foragers_seek_items_where_cameras_saw_them_from_measured_positions() ->
     dynamics = mission._dynamics
     assert isinstance(dynamics, MujocoDynamics)
     true, state = dynamics._simulation.item_xy, dynamics._pilot._fleets.state
-    off = dynamics._known()[:, 0] - true
+    ticks: Any = dynamics._playing
+    off = ticks._known()[:, 0] - true
     np.testing.assert_allclose(np.nanmedian(off, axis=1), np.tile((0.9, 0.0), (3, 1)), atol=0.02)
     for name in ("item", "next"):
         for e in np.flatnonzero(np.isfinite(state[f"{name}_x"][:, 0])):
@@ -189,6 +190,7 @@ def test_the_estimate_chooses_items_where_there_is_a_filter() -> None:
     mission.start(episode_keys(5, np.arange(2)))
     dynamics = mission._dynamics
     assert isinstance(dynamics, MujocoDynamics)
-    known = dynamics._locate(np.ones(2, np.bool_))
+    ticks: Any = dynamics._playing
+    known = ticks._locate(np.ones(2, np.bool_))
     assert (known.seeking == known.pose).all()
     assert (np.abs(known.pose - dynamics._motion.pose)[..., :2] > 0.0).all()

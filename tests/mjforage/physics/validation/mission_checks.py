@@ -174,16 +174,18 @@ def mission_sensors() -> Measures:
 def told(sensors: Sensors, late: int = 0) -> Float64Array:
     """(tick, episode, hull, 6) what pilots are told, less pose and velocity so many ticks ago."""
     dynamics, state = begun(BLOWN, sensors=sensors)
+    ticks: Any = dynamics._playing
     given, true, inner = [], [], dynamics._pilot.command
 
     def command(active: Any, pose: Float64Array, velocity: Float64Array) -> Float64Array:
         given.append(np.concatenate((pose, velocity), axis=-1))
-        true.append(np.concatenate(dynamics._motion, axis=-1))
+        true.append(np.concatenate(ticks.motion, axis=-1))
         return inner(active, pose, velocity)
 
     dynamics._pilot.command = command  # type: ignore[method-assign]
     advance(dynamics, state)
-    return np.array(given[late:]) - np.array(true[: len(true) - late])
+    off: Float64Array = np.array(given[late:]) - np.array(true[: len(true) - late])
+    return off
 
 
 @check("mission-watch", "20d")
