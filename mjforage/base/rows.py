@@ -26,6 +26,16 @@ def scatter_rows(
     return result
 
 
+def put_rows(
+    into: NDArray[T], rows: NDArray[np.int64], values: NDArray[T], fill: float = 0
+) -> NDArray[T]:
+    """`scatter_rows`, in `into` itself if values are no wider and it may be written."""
+    if not into.flags.writeable or np.any(np.less(into.shape[1:], values.shape[1:])):
+        return scatter_rows(into, rows, values, fill)
+    into[rows] = _padded(values, np.array(into.shape[1:], np.int64), fill)
+    return into
+
+
 def _padded(array: NDArray[T], shape: NDArray[np.int64], fill: float) -> NDArray[T]:
     """As wide as `shape` beyond the first axis."""
     more = np.subtract(shape, array.shape[1:])
@@ -39,7 +49,7 @@ def scatter_all(
     nobody: Collection[str] = (),
     only: Collection[str] = (),
 ) -> Arrays:
-    """`scatter_rows` for the arrays of a named tuple.
+    """`scatter_rows` for the arrays of a named tuple, in their memory where it has the width.
 
     Parameters
     ----------
@@ -50,7 +60,7 @@ def scatter_all(
     each = zip(kind._fields, into, values, strict=True)
     mixed: Arrays = kind(
         *(
-            a if only and name not in only else scatter_rows(a, rows, b, -(name in nobody))
+            a if only and name not in only else put_rows(a, rows, b, -(name in nobody))
             for name, a, b in each
         )
     )

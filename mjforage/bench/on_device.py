@@ -1,6 +1,7 @@
 """Speeds on a device: fleets steered among drifting items, their environments, and waypoints."""
 
 import time
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,28 +19,27 @@ from mjforage.scenario.scenario_file import load_scenario
 
 BATCHES = {"cuda": (4096, 16384), "warp-cpu": (16,)}
 SCENARIO = "comb-port-weather"  # two scouts, two foragers, some 75 items
+NEW_OF = 150  # decisions of an episode
 DECISIONS, SLICES, STEPS_OF_A_SLICE = 3, 4, 20
 FLEETS = "fleet steps of 0.1 s per second (4 vessels steered, 75 items drifting and collected)"
-DECIDED = "fleet decisions of 10 s per second, with sensing and observations"
+DECIDED = (
+    "fleet decisions of 10 s per second, with sensing, observations and new episodes for 1 in 150"
+)
 STEPS = "environment steps of 0.5 s per second (one vessel, observed and steered by thrusts)"
 
 
-def speeds(device: str, progress: Progress = lambda key: None) -> dict[str, Rate]:
-    """Measure batches on "cuda" or "warp-cpu"; first ones, which compile, do not count.
+def speeds(device: str, progress: Progress = lambda key: None) -> Iterator[tuple[str, Rate]]:
+    """Measure batches on "cuda" or "warp-cpu", and give each figure once it is known.
 
-    Raises `UserError` if there is no such device.
+    First decisions, which compile, do not count. Raises `UserError` if there is no such device.
     """
     if device not in BATCHES:
         raise UserError(f"bench --device {device}: unknown; choose {', '.join(BATCHES)}")
-    found = {}
+    measures = {"fleets": _fleets, "decisions": _decisions, "waypoints": _waypoints}
     for episodes in BATCHES[device]:
-        progress(key := f"device_fleets_{episodes}")
-        found[key] = _fleets(device, episodes)
-        progress(key := f"device_decisions_{episodes}")
-        found[key] = _decisions(device, episodes)
-        progress(key := f"device_waypoints_{episodes}")
-        found[key] = _waypoints(device, episodes)
-    return found
+        for name, measure in measures.items():
+            progress(key := f"device_{name}_{episodes}")
+            yield key, measure(device, episodes)
 
 
 class _Timed:
@@ -77,10 +77,12 @@ def _fleets(device: str, episodes: int) -> Rate:
 
 
 def _decisions(device: str, envs: int) -> Rate:
-    env, rates = ForagingVectorEnv(envs, scenario=SCENARIO, world="physics", device=device), []
+    about: Any = {"scenario": SCENARIO, "world": "physics", "autoreset_mode": "Disabled"}
+    env, rates = ForagingVectorEnv(envs, device=device, **about), []
     env.reset(seed=0)
-    for _ in range(1 + DECISIONS):
+    for number in range(1 + DECISIONS):
         actions, started = env.action_space.sample(), time.perf_counter()
+        env.reset(options={"reset_mask": np.arange(envs) % NEW_OF == number})
         env.step(actions)
         rates.append(envs / (time.perf_counter() - started))
     core = env._core

@@ -27,7 +27,7 @@ def _on_device(device: str, progress: "Progress") -> "dict[str, Rate]":
         require_gpu("bench --device cuda")
     from mjforage.bench.on_device import speeds
 
-    return speeds(device, progress)
+    return dict(speeds(device, progress))
 
 
 @app.command

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array, episode_keys
-from mjforage.base.rows import scatter_all, scatter_rows
+from mjforage.base.rows import put_rows, scatter_all, scatter_rows
 from mjforage.base.views import CachedViews, read_only, view_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.device_mission import COUNT_STEP, DeviceMission, DeviceWorld
@@ -209,7 +209,7 @@ class Mission:
         self._ledger = scatter_all(self._ledger, rows, other._ledger, nobody)
         self._knowledge = scatter_all(self._knowledge, rows, other._knowledge)
         self.exchange.replace_episodes(rows, other.exchange, self._knowledge)
-        self._shown = scatter_rows(self._shown, rows, other._shown)
+        self._shown = put_rows(self._shown, rows, other._shown)
         self.forecasts.replace_episodes(rows, other.forecasts)
         self._filtered = self._filtered.with_rows(rows, other._filtered)
         self._begin_step(scatter_rows(self.step, rows, other.step))

@@ -104,8 +104,12 @@ class DeviceHulls:
 
     def wait(self) -> None:
         """Wait until all calls are done; raises `UserError` if contacts had no room."""
-        wp.synchronize_device(self._warp_name)
+        self.synchronise()
         self.hulls.check()
+
+    def synchronise(self) -> None:
+        """Wait until all is done that was written or called, in whichever stream."""
+        wp.synchronize_device(self._warp_name)
 
 
 def _stream(of: Any) -> Any:

@@ -60,8 +60,9 @@ def harbour(reference: str) -> Harbour:
     if is_family(reference):
         first = family(reference)[0]
         raise UserError(
-            f"map {reference!r}: several maps, which only `maps`, make_vec and trainings take (in "
-            f"also and evaluate, as SCENARIO:{reference}); give one, such as {first}"
+            f"map {reference!r}: several maps, which only `maps`, batches of Foraging-v0 (make_vec "
+            "without vectorization_mode) and trainings take (in also and evaluate, as "
+            f"SCENARIO:{reference}); give one, such as {first}"
         )
     kind, seed, size, *more = [*reference.removeprefix(ONE).split(":"), "", ""]
     number, sides = _whole(seed), [_whole(side) or 0 for side in size.split("x")]

@@ -78,25 +78,38 @@ def on_each_map(scenario: object, grid: object, overrides: object) -> list[dict[
     ----------
     grid : also names of maps, or a family of harbours, which the scenario's map may be as well
     """
+    about, given = {"scenario": scenario, "set": overrides}, list(override_texts(overrides))
     names = [grid] if isinstance(grid, str | Path) else grid
     if is_names(names):
         one_each = [family(str(name)) if is_family(str(name)) else [name] for name in names]
-        return [
-            {"scenario": scenario, "map": name, "set": overrides}
-            for each in one_each
-            for name in each
-        ]
-    if grid is None and not isinstance(scenario, Setup):
-        found = scenarios_of(_chosen_scenario(scenario, None, list(override_texts(overrides))))
-        if len(found) > 1:
-            return [{"scenario": each} for each in found]
-    return [{"scenario": scenario, "map": grid, "set": overrides}]
+        return [about | {"map": name} for each in one_each for name in each]
+    if grid is None and (_names_map(given) or not isinstance(scenario, Setup)):
+        asked = scenario.asked if isinstance(scenario, Setup) else scenario
+        chosen = _chosen_scenario(asked, None, given)
+        if is_family(chosen.map.file):
+            return [{"scenario": each} for each in scenarios_of(chosen)]
+    return [about | {"map": grid}]
 
 
 def is_names(grid: object) -> TypeGuard[Sequence[str | Path]]:
-    """True if it is a list of names or paths, of one map each."""
-    listed = isinstance(grid, list | tuple) and bool(grid)
-    return listed and all(isinstance(each, str | Path) for each in cast(Sequence[object], grid))
+    """True if it is a list of names or paths, of one map each.
+
+    Raises `UserError` if it is empty, or there is something else in it.
+    """
+    if not isinstance(grid, list | tuple):
+        return False
+    named = [isinstance(each, str | Path) for each in cast(Sequence[object], grid)]
+    if any(named) != all(named) or not named:
+        raise UserError(
+            f"map = {reprlib.repr(grid)}: is neither a list of names nor an array; give names and "
+            "paths alone, or rows of 0 and 1"
+        )
+    return all(named)
+
+
+def _names_map(given: Sequence[str]) -> bool:
+    """True if one of the overrides is of the map's file."""
+    return any(text.partition("=")[0].strip() == "map.file" for text in given)
 
 
 def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
@@ -108,12 +121,17 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
     if isinstance(scenario, Setup):
         if grid is None and not given:
             return scenario
-        if grid is None:
+        if grid is None and not _names_map(given):
             grid, place = scenario.grid.charted, scenario.grid.place
             depth_m = scenario.grid.depth_m
         scenario = scenario.asked
     if is_names(grid):
-        raise UserError(f"map = {reprlib.repr(grid)}: several maps, which only make_vec takes")
+        if len(grid) > 1:
+            raise UserError(
+                f"map = {reprlib.repr(grid)}: several maps, which only batches of Foraging-v0 take "
+                "(make_vec without vectorization_mode); give one"
+            )
+        grid = grid[0]
     cells = water_of_array(grid) if isinstance(grid, np.ndarray | list) else None
     changed = _chosen_scenario(scenario, grid, given)
     return open_setup(changed, cells, place=place, depth_m=depth_m)
@@ -124,6 +142,10 @@ def _chosen_scenario(scenario: object, grid: object, given: list[str]) -> Scenar
     if not isinstance(scenario, str | Path | Scenario):
         raise _unknown("scenario", scenario, "a preset's name, a TOML file or a Scenario")
     found = scenario if isinstance(scenario, Scenario) else load_scenario(str(scenario))
+    if grid is not None and _names_map(given):
+        raise UserError(
+            f"map = {reprlib.repr(grid)}: set names another, map.file; give one of both"
+        )
     if isinstance(grid, np.ndarray | list):
         found = with_values(found, {"map.starts": []}, "map")
     elif isinstance(grid, str | Path):

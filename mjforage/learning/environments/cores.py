@@ -41,21 +41,24 @@ def create_cores(
 ) -> EnvironmentCore | SeveralCores:
     """Sub-environments, number i with the options i modulo their number.
 
-    Raises `UserError` if fleets or arrays of what agents see differ.
+    Raises `UserError` if fleets or arrays of what agents see differ, or this machine has not the
+    memory for all of them on the largest map.
 
     Parameters
     ----------
     create : `create_core`, or `EnvironmentCore`
-    options : of one map each
+    options : of one map each, at most `num_envs`
     threads : of each core, see `create_mission`
     """
     if len(options) == 1:
         return create(options[0], num_envs, threads=threads)
     common_shapes(options)
-    envs = [np.arange(first, num_envs, len(options)) for first in range(len(options))][:num_envs]
+    largest = max((each.setup for each in options), key=lambda setup: len(setup.graph))
+    largest.check_memory(num_envs)
+    envs = [np.arange(first, num_envs, len(options)) for first in range(len(options))]
     cores = [
         create(each, own.size, threads=min(threads, own.size))
-        for each, own in zip(options[:num_envs], envs, strict=True)
+        for each, own in zip(options, envs, strict=True)
     ]
     return SeveralCores(cores, envs)
 
@@ -74,9 +77,13 @@ def common_shapes(every: Sequence[EnvironmentOptions]) -> Shapes:
     ]
     for options, other in zip(every, found, strict=True):
         if other != found[0]:
-            names = [each.setup.scenario.name for each in (every[0], options)]
+            first, one = (
+                f"{each.setup.scenario.name} on map {each.setup.grid.name}"
+                for each in (every[0], options)
+            )
             raise UserError(
-                f"scenarios {names[0]} and {names[1]}: fleets or arrays differ; give "
-                "scenarios with as many scouts and foragers, on the egocentric observation"
+                f"scenarios {first} and {one}: fleets or arrays of observation = "
+                f"{options.observation!r} differ; give scenarios with as many scouts and foragers, "
+                "on the egocentric observation"
             )
     return found[0][1]

@@ -66,7 +66,10 @@ class DeviceCore(EnvironmentCore):
         """Start episodes of the given keys in sub-environments (env,); the first time in all."""
         super().start(envs, keys)
         goes_on = self._now is not None and envs.size < self.num_envs
-        self._now = self._moved() if goes_on else None  # the device alone knows those that go on
+        self._now = None
+        if goes_on:  # the device alone knows those that do
+            self._now = self._moved()
+            self._now.mission.world.hulls.synchronise()
 
     def _there(self) -> _Bound:
         """All on the device, moved there if it is not."""
@@ -105,9 +108,10 @@ class DeviceCore(EnvironmentCore):
         arrays = now.mission.world.hulls.arrays
         now.mission.preferences[:] = preferences
         arrays.send(now.mission.preferences)
+        now.mission.world.hulls.synchronise()  # with the stream of those that torch may have
         self._run(now, now.decide)
-        self._fetch(now, now.told)
         now.mission.world.check()
+        self._fetch(now, now.told)
         self.mission.came_back(now.mission)
         return {name: np.where(played[:, None], one, 0.0) for name, one in now.terms.items()}
 

@@ -90,9 +90,12 @@ class EnvironmentOptions:
         return cls(**arguments)
 
     @classmethod
-    def of_maps(cls, arguments: Mapping[str, Any]) -> list["EnvironmentOptions"]:
-        """Options of each of the maps that keyword arguments name; raises as `of`."""
+    def of_maps(cls, arguments: Mapping[str, Any], most: int) -> list["EnvironmentOptions"]:
+        """Options of each of the maps that keyword arguments name; raises as `of`.
+
+        `most`: so many of them, the first ones.
+        """
         names = "scenario", "map", "set"
         given = [arguments.get(name, getattr(cls, name)) for name in names]
         others = {name: one for name, one in arguments.items() if name not in names}
-        return [cls.of(others | each) for each in on_each_map(*given)]
+        return [cls.of(others | each) for each in on_each_map(*given)[:most]]

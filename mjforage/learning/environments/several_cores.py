@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
+from mjforage.learning.environments.checks import checked_started
 from mjforage.learning.environments.core import EnvironmentCore, Outcome
 from mjforage.learning.environments.tensors import on_host
 from mjforage.mission.moves import preferences_of
@@ -61,6 +62,7 @@ class SeveralCores:
 
     def step(self, actions: NDArray[np.int64]) -> Outcome:
         """Play one decision by moves (env, agent); raises as `EnvironmentCore.step`."""
+        checked_started(self.started, "step")
         return self.play(preferences_of(actions), actions)
 
     def play(

@@ -69,7 +69,7 @@ class ForagingVectorEnv(VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
         if device is not None:
             self._tensors = Tensors(device, arguments.get("world", EnvironmentOptions.world))
             arguments["set"] = with_device(arguments.get("set", ()), device)
-        maps = EnvironmentOptions.of_maps(arguments)
+        maps = EnvironmentOptions.of_maps(arguments, num_envs)
         options = maps[0]
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = checked_mode(autoreset_mode)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.rows import scatter_rows
+from mjforage.base.rows import put_rows
 from mjforage.base.wholes import floor
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
@@ -38,10 +38,10 @@ class MapFilter(NamedTuple):
     best: NDArray[np.float64]  # (node,) memory: largest chance of them
 
     def with_rows(self, rows: NDArray[np.int64], other: "MapFilter") -> "MapFilter":
-        """A copy in which the given rows (row,) are those of another, in its order."""
+        """With rows (row,) of another, in its order, as `put_rows`."""
         if not self.density.shape[0]:
             return self
-        return self._replace(density=scatter_rows(self.density, rows, other.density))
+        return self._replace(density=put_rows(self.density, rows, other.density))
 
 
 @kernel

@@ -27,7 +27,7 @@ from mjforage.physics.dynamics.device_ticks import (
 from mjforage.physics.dynamics.faults import LOSE
 from mjforage.physics.dynamics.item_bodies import READ_ITEMS
 from mjforage.physics.dynamics.period_monitor import JUDGE, MONITOR, Motion, Tick
-from mjforage.physics.dynamics.period_parts import Parts
+from mjforage.physics.dynamics.period_parts import Begun, Parts
 from mjforage.physics.dynamics.settling import LOAD_VESSELS, SETTLE
 from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS
 from mjforage.physics.dynamics.tracks import LOOK_OUT, TRACKED
@@ -46,16 +46,17 @@ class DevicePeriod:
     ----------
     active : (episode,) those that go on, of the host
     hulls : the vessels on the device
+    ran : True once the host may have written after ticks of the device
     """
 
-    def __init__(self, parts: Parts[WarpSimulation], rows: NDArray[np.int64] | None = None) -> None:
+    def __init__(self, parts: Parts[WarpSimulation], begun: Begun | None = None) -> None:
         """Bind all kernels to the parts' arrays, which the device then has as well.
 
-        `rows`: (row,) episodes that began anew, where the device has all others; absent: all.
+        `begun`: episodes that began anew, where the device has all others; absent: all did.
         """
         self._parts, simulation = parts, parts.simulation
         self.hulls = simulation.hulls
-        self.hulls.renew(rows)
+        self.hulls.renew(begun.rows if begun else None)
         episodes, vessels = parts.tick.size, len(parts.collects)
         places = np.zeros((episodes, vessels, 2))
         self.active, self._target = np.zeros(episodes, np.bool_), places
@@ -68,7 +69,7 @@ class DevicePeriod:
         self._exchanged += simulation.arrays
         self._start, self._first, self._other = self._calls()
         self._losing = simulation.losing(self.active)
-        self._ran = False  # whether the host has written after ticks of the device
+        self.ran = bool(begun and begun.ran)
 
     def _calls(self) -> tuple[Calls, Calls, Calls]:
         """Calls before all ticks, of a tick with new weather and goals, and of one without."""
@@ -194,7 +195,7 @@ class DevicePeriod:
         self.hulls.run((self._losing,))
         self.hulls.wait()
         self._fetch(self._exchanged)
-        self._ran = True
+        self.ran = True
         self._parts.simulation.check()
         return self._parts.motion
 
@@ -250,6 +251,6 @@ class DevicePeriod:
 
         What the host has been told after the ticks it may have written since.
         """
-        told = {id(array) for array in (*self._exchanged, *self._parts.state) if self._ran}
+        told = {id(array) for array in (*self._exchanged, *self._parts.state) if self.ran}
         every = self.hulls.arrays.arrays
         self._fetch([one for one in every if one.flags.writeable and id(one) not in told])

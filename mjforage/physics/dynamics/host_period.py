@@ -26,6 +26,8 @@ class HostPeriod:
     motion : of the vessels, as it is
     """
 
+    ran = True  # see `DevicePeriod`
+
     def __init__(self, parts: Parts[SimulatedFleet]) -> None:
         self._parts, self.motion = parts, parts.motion
         self._monitor = BoundKernel(monitor, parts.monitor, parts.record)

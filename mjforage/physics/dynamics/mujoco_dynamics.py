@@ -40,7 +40,7 @@ from mjforage.physics.dynamics.fleet_scene import (
 from mjforage.physics.dynamics.host_period import HostPeriod, remove_collected
 from mjforage.physics.dynamics.item_bodies import read_items
 from mjforage.physics.dynamics.period_monitor import MonitorSetup, Motion, PeriodRecord, judge
-from mjforage.physics.dynamics.period_parts import Parts
+from mjforage.physics.dynamics.period_parts import Begun, Parts
 from mjforage.physics.dynamics.settling import Ground, load_vessels, settle
 from mjforage.physics.dynamics.ticks import CONTROL_S, WEATHER_TICKS, whole_times
 from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid
@@ -123,7 +123,7 @@ class MujocoDynamics:
         """Start a batch of episodes and return their state at step 0."""
         episodes, items = initial.item_node.shape
         self._player: HostPeriod | DevicePeriod | None = None  # made when it is needed
-        self._begun: NDArray[np.int64] | None = None  # rows of which the host alone knows
+        self._begun: Begun | None = None  # of which the host alone knows
         self._simulation = create_simulation(
             self._choice,
             self._scene,
@@ -314,13 +314,13 @@ class MujocoDynamics:
         `rows`: if not None, the episodes that begin anew; those that go on stay on the device.
         """
         if rows is None:
-            if self._player or self._begun is not None:
+            if self._player or self._begun:
                 self._playing.end()
             self._begun = None
         elif self._player:
-            self._begun = rows
-        elif self._begun is not None:
-            self._begun = np.union1d(self._begun, rows)
+            self._begun = Begun(rows, self._player.ran)
+        elif self._begun:
+            self._begun = Begun(np.union1d(self._begun.rows, rows), self._begun.ran)
         self._player = None
 
     def _settle(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> None:

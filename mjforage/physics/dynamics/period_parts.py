@@ -1,7 +1,7 @@
 """All that the ticks of a decision need of a batch of missions, on the host or on a device."""
 
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,14 @@ from mjforage.physics.dynamics.settling import Ground
 from mjforage.physics.dynamics.tracks import ItemTracks, LandGrid
 from mjforage.physics.positioning import Positioning
 from mjforage.physics.simulation.simulated_fleet import SimulatedFleet
+
+
+class Begun(NamedTuple):
+    """Episodes of a batch that began anew while the others stay on a device."""
+
+    rows: NDArray[np.int64]
+    ran: bool  # see `DevicePeriod`
+
 
 Simulation = TypeVar("Simulation", bound=SimulatedFleet)
 

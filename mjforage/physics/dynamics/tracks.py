@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.device import Launch
 from mjforage.base.randomness import UInt64Array
-from mjforage.base.rows import scatter_all, scatter_rows
+from mjforage.base.rows import put_rows, scatter_all
 from mjforage.base.wholes import floor
 from mjforage.controllers.chart import LandArray, framed_is_land, grid_shape
 from mjforage.physics.dynamics.camera import Camera, sight_items, variance
@@ -66,8 +66,8 @@ class ItemTracks(NamedTuple):
         )
 
     def with_rows(self, rows: NDArray[np.int64], fresh: Self) -> Self:
-        """A copy with the tracks of other episodes in some rows (row,) of the batch."""
-        frames = scatter_rows(self.frames, rows, fresh.frames, np.nan)
+        """The tracks of other episodes in some rows (row,) of the batch, as `put_rows`."""
+        frames = put_rows(self.frames, rows, fresh.frames, np.nan)
         return scatter_all(self, rows, fresh, ("tick",))._replace(frames=frames)
 
 

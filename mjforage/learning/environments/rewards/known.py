@@ -93,7 +93,7 @@ class RewardTerms:
         self, bind: Bind, state: Transition, ledger: Ledger, after: Before
     ) -> tuple[Call, tuple[Call, ...], dict[str, Amounts]]:
         """`before` and `after` by kernels on a device, of live arrays, and what these write."""
-        copied = Before._make(map(np.zeros_like, after))
+        copied = Before._make(np.zeros(part.shape, part.dtype) for part in after)
         about = state, ledger, self._task, self._workspace, self._turns
         step, calls = DeviceStep(copied, after, *about), list[Call]()
         found = {name: np.zeros(state.agent_node.shape) for name in self._terms}

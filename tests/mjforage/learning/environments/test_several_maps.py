@@ -11,6 +11,7 @@ from mjforage.base.errors import UserError
 from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.several_cores import SeveralCores
 from mjforage.learning.environments.vector import ForagingVectorEnv
+from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario_file import load_scenario
 
 FAMILY = "harbours:combs:0-1"
@@ -77,8 +78,22 @@ def test_whoever_names_several_maps_has_them(tmp_path: Path) -> None:
     assert maps_of(batch(2, map=[file, "harbours:combs:0-1"])) == [str(file), HARBOURS[0]]
     keyed = batch(2, scenario="published", set={"map.file": FAMILY, "map.starts": [], "horizon": 3})
     assert maps_of(keyed) == HARBOURS
-    scenario = load_scenario("published", [f"map.file={FAMILY}", "map.starts=[]"])
+    family = [f"map.file={FAMILY}", "map.starts=[]"]
+    scenario = load_scenario("published", family)
     assert maps_of(batch(2, scenario=scenario)) == HARBOURS
+    opened = Setup.of(load_scenario("published"))
+    assert maps_of(batch(2, scenario=opened, set=family)) == HARBOURS
+    of_one = {"map.file": "harbours:5-5", "map.starts": []}
+    (alone,) = maps_of(batch(1, scenario="published", set=of_one))
+    assert alone == maps_of(batch(1, map=["harbours:5-5"]))[0] == "harbour:combs:5"
+    gymnasium.make(ID, map=HARBOURS[:1])
+
+
+def test_maps_beyond_the_batch_are_not_opened() -> None:
+    """A name of no map is the third."""
+    assert maps_of(batch(2, map=[FAMILY, "nowhere"])) == HARBOURS
+    with pytest.raises(UserError, match="nowhere"):
+        batch(3, map=[FAMILY, "nowhere"])
 
 
 def test_maps_that_cannot_be_together_are_refused() -> None:
@@ -86,10 +101,19 @@ def test_maps_that_cannot_be_together_are_refused() -> None:
         UserError, match=r"^map = \['harbour:combs:0', .*: several maps, which only"
     ):
         gymnasium.make(ID, map=HARBOURS)
-    with pytest.raises(UserError, match=r"fleets or arrays differ; give .* egocentric"):
+    with pytest.raises(UserError, match=r" on map harbour:combs:1:.*'paper' differ; .* egocentric"):
         batch(map=FAMILY, observation="paper")
-    with pytest.raises(UserError, match=r"^map 'harbours:0-3': several maps, .* make_vec"):
+    with pytest.raises(UserError, match=r"^map 'harbours:0-3': several maps, .* \(make_vec "):
         gymnasium.make(ID, map="harbours:0-3")
+    with pytest.raises(UserError, match=r"^map = 'harbour:combs:0': set names another"):
+        batch(map=HARBOURS, set={"map.file": "comb_port"})
+    for wrong in ([], ["harbour:combs:0", None], ["harbour:combs:0", np.ones((9, 9))]):
+        with pytest.raises(UserError, match=r"^map = \[.*: is neither a list of names nor"):
+            batch(map=wrong)
+    with pytest.raises(UserError, match=r"1000000 episodes at a time, needs about"):
+        batch(10**6, map=FAMILY)
+    with pytest.raises(UserError, match=r"^step.*reset"):
+        batch(2, map=FAMILY).step(np.zeros((2, 4), np.int64))
     with pytest.raises(UserError, match="no kind 'lakes'"):
         batch(map=["harbour:combs:0", "harbours:lakes:0-3"])
 

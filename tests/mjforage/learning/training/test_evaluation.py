@@ -90,10 +90,10 @@ def test_what_cannot_be_evaluated_is_refused_at_once(judged: str, words: str) ->
 
 def test_other_fleets_and_arrays_are_refused() -> None:
     trainer = Trainer([comb_port()], small())
-    with pytest.raises(UserError, match=r"fleets or arrays differ"):
+    with pytest.raises(UserError, match=r"fleets or arrays .* differ"):
         trainer.evaluate_on([comb_port("team.scouts.count=3")])
     by_map = Trainer([comb_port()], small(observation="paper"))
-    with pytest.raises(UserError, match=r"fleets or arrays differ; give .* egocentric"):
+    with pytest.raises(UserError, match=r"fleets or arrays .* differ; give .* egocentric"):
         by_map.evaluate_on([on("harbour:combs:900")])
 
 

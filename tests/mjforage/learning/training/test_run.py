@@ -245,7 +245,9 @@ def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
     train(scenario(), hyperparameters(), tmp_path, also=[other], updates=1)
     with pytest.raises(UserError, match=r"also differs; maps is "):
         train(scenario(), hyperparameters(), tmp_path, updates=1)
-    with pytest.raises(UserError, match="scenarios published and comb-port: fleets or arrays"):
+    with pytest.raises(
+        UserError, match=r"scenarios published on map .* and comb-port on map .*: fleets or arrays"
+    ):
         Trainer(
             [scenario(), load_scenario("comb-port", ("team.scouts.count=1",))], hyperparameters()
         )

@@ -52,5 +52,5 @@ def test_a_family_that_cannot_be_is_refused(first: str, also: str, words: str) -
 
 
 def test_arrays_of_the_maps_size_are_refused_at_once() -> None:
-    with pytest.raises(UserError, match=r"fleets or arrays differ; .* egocentric"):
+    with pytest.raises(UserError, match=r"fleets or arrays .* differ; .* egocentric"):
         Trainer([comb_port(), on("harbours:0-1")], small(observation="paper"))

@@ -1,9 +1,13 @@
-"""A mission and a taught round in numba's simulator of CUDA, and on the processor, bit for bit."""
+"""A mission, a taught round and a batch in numba's simulator of CUDA, as on the processor.
+
+On a machine with a GPU: on that.
+"""
 
 from typing import Any
 
 import numpy as np
 
+from mjforage.base.device import SIMULATED
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.cores import create_core
@@ -20,23 +24,25 @@ from tests.mjforage.learning.environments.test_tensors import flat
 
 CHANGES = ("horizon=4", "period_s=4", "items.mean=12", "items.std=3")
 EPISODES = 2
+NEAR = 0.95  # share of numbers on a GPU, where a rounding may change a decision
 
 
 def played(device: str) -> list[Any]:
     """States, frames of the first episode, and what waits for the next decision.
 
-    Episodes start anew in between, with fewer items and then with more than any before.
+    Episodes start anew in between, with fewer items and then with more than any before; the last
+    goes on.
     """
     scenario = load_scenario("comb-port-gnss", [f"physics.device={device}", *CHANGES])
     frames: Any = TrajectoryRecorder()
     mission: Any = create_mission(Setup.of(scenario), "physics", frames)
-    mission.reset(3, np.arange(EPISODES))
+    mission.reset(3, np.arange(EPISODES + 1))
     policy = create_policy("greedy")
     mission.prepare(policy)
     states = []
     for step in range(3):
-        for row in (1, 0)[: (0, 2, 1)[step]]:  # both, then one of them
-            mission.restart(np.array([row]), episode_keys(11, np.array([step - 1])))
+        for row, number in ((), ((1, 0), (0, 0)), ((0, 0), (1, 1)))[step]:
+            mission.restart(np.array([row]), episode_keys(11, np.array([number])))
         mission.advance(mission.ask(policy))
         states += [np.array(part) for part in mission.state]
     mission._dynamics._leave(None)
@@ -79,12 +85,21 @@ def stepped(device: str) -> list[Any]:
     return [np.array(one.numpy()) for each in told for one in each.values()]
 
 
+def compare(wanted: list[Any], found: list[Any]) -> None:
+    """Bit for bit in the simulator; on a GPU most numbers are the same but for rounding."""
+    assert len(wanted) == len(found)
+    for one, other in zip(wanted, found, strict=True):
+        if SIMULATED or not one.size:
+            assert one.tobytes() == other.tobytes()
+        else:
+            near = np.isclose(np.float64(one), np.float64(other), 1e-3, 1e-3, equal_nan=True)
+            assert near.mean() >= NEAR, f"{near.mean():.3f} of {one.dtype} {one.shape}"
+
+
 if __name__ == "__main__":
     for alike in (stepped, taught):
-        for wanted, one in zip(alike("warp-cpu"), alike("cuda"), strict=True):
-            assert wanted.tobytes() == one.tobytes()
-    known, found = played("warp-cpu"), played("cuda")
-    assert len(known) == len(found) > 50
+        compare(alike("warp-cpu"), alike("cuda"))
+    known = played("warp-cpu")
+    assert len(known) > 50
     assert np.abs(known[1] - known[16]).max() > 0.1, "they have gone somewhere"
-    for wanted, one in zip(known, found, strict=True):
-        assert wanted.tobytes() == one.tobytes()
+    compare(known, played("cuda"))
