@@ -77,8 +77,9 @@ def played(mission: Mission, steps: int, policy: str = "greedy") -> Mission:
 
 
 def arrays_of(mission: Mission, but: set[str]) -> Arrays:
-    """All arrays by their paths."""
-    found = dict(arrays(mission, "", {}))
+    """All arrays by their paths, of dynamics by their own."""
+    player = getattr(mission._dynamics, "_player", None)
+    found = dict(arrays(mission, "", {id(player): player}))
     return {path: array for path, array in found.items() if not but & {*path.split("/")}}
 
 

@@ -83,6 +83,14 @@ def test_whoever_names_several_maps_has_them(tmp_path: Path) -> None:
     assert maps_of(batch(2, scenario=scenario)) == HARBOURS
     opened = Setup.of(load_scenario("published"))
     assert maps_of(batch(2, scenario=opened, set=family)) == HARBOURS
+    own, other = (
+        batch(1, **about)._core.of(0)[0].setup.grid.navigable
+        for about in (
+            {"scenario": opened, "set": {"map.file": HARBOURS[0], "map.starts": []}},
+            {"map": HARBOURS[0]},
+        )
+    )
+    np.testing.assert_array_equal(own, other)
     of_one = {"map.file": "harbours:5-5", "map.starts": []}
     (alone,) = maps_of(batch(1, scenario="published", set=of_one))
     assert alone == maps_of(batch(1, map=["harbours:5-5"]))[0] == "harbour:combs:5"
