@@ -168,18 +168,7 @@ class DevicePeriod:
         sent: Sent,
         record: Callable[[Motion], None] | None,
     ) -> Motion:
-        """Play the ticks of a decision, which the pilot has been given.
-
-        Returns: how the vessels move after it.
-
-        Raises `InstabilityError` if something has no place any more.
-
-        Parameters
-        ----------
-        active : (episode,)
-        target : (episode, vessel, 2) [m]
-        record : is called every `WEATHER_TICKS` between the first tick and the last
-        """
+        """Play the ticks of a decision, see `HostPeriod.run`."""
         orders = self.active, self._target, *self._sent
         for own, new in zip(orders, (active, target, *sent), strict=True):
             own[:] = new
