@@ -11,7 +11,7 @@ METRICS = ("pta_d", "pta_c", "nt50", "nt90", "length", "rmse")
 def main() -> None:
     """Play the same episodes on both, and print means and 95 % intervals of the differences."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--episodes", type=int, default=60)
+    parser.add_argument("--episodes", type=int, default=200)
     parser.add_argument("--scenario", default="comb-port-weather")
     given = parser.parse_args()
     play = {"episodes": given.episodes, "world": "physics", "record": ()}
