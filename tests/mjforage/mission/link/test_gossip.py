@@ -5,19 +5,23 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mjforage.base.randomness import Stream
 from mjforage.mission.link.contacts import Contacts
 from mjforage.mission.link.gossip import (
     LAST,
     NOT_RECEIVED,
     Terms,
+    _garbled,
     arrivals,
     inbox,
     pass_on,
     traffic,
 )
+from mjforage.mission.link.propagation import packet_error
 from mjforage.mission.link.reach import reach_m
 from mjforage.mission.scan_log import ScanLog
 from mjforage.scenario.link import Link
+from tests.mjforage.mission.slow_minds import drawn
 
 AGENTS, HORIZON = 3, 8
 KEYS, HERE = np.array([5], np.uint64), np.array([True])
@@ -174,6 +178,16 @@ def test_noise_garbles_its_share_of_packets(snr_db: float, share: float) -> None
         sent, lost = sent + int(talk.traffic.sent[0]), lost + int(talk.traffic.lost[0])
     assert sent == 150 * 6
     assert lost / sent == pytest.approx(share, abs=0.05)
+
+
+def test_packets_have_draws_of_their_own() -> None:
+    """Those that tell which links go bad are others."""
+    chance, lost = packet_error(4.0, EMPTY), []
+    for key in np.arange(40, dtype=np.uint64):
+        draw = drawn(int(key), Stream.PACKETS, 3, 2)
+        lost.append(_garbled(key, 2, 3, 4.0, EMPTY))
+        assert lost[-1] == (draw < chance)
+    assert 5 < sum(lost) < 35
 
 
 def test_a_radio_reaches_as_far_as_scans_get_through() -> None:
