@@ -26,7 +26,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CAPABILITIES := default avx2 avx512
 LEARNING = $(shell grep --recursive --files-with-matches --include 'test_*.py' mark.every_capability tests)
 
-.PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest environments mutants mutants-some evidence evidence-pages dist docs links pages gallery install clean
+.PHONY: demo quick test thorough types collected kernels-graph kernels-physics capabilities mujoco lowest environments mutants mutants-some evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -57,7 +57,7 @@ test: $(VENV)/.installed-docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
-	$(MAKE) --jobs 3 planner types hulls collected
+	$(MAKE) --jobs 3 kernels-graph types kernels-physics collected
 	$(BIN)/pytest -n 2 --dist worksteal -m 'not thorough'
 
 thorough: $(VENV)/.installed-docs
@@ -70,12 +70,11 @@ types: $(VENV)/.installed-dev
 collected: $(VENV)/.installed-docs
 	$(BIN)/pytest --collect-only --quiet >/dev/null
 
-# Compile what most tests need; for what both need one waits for the other. Kernels of single
-# policies are few tests' and compiled by the first of them.
-planner: $(VENV)/.installed-dev
+# Compile what most tests need, of all policies; for what both worlds need one waits for the other.
+kernels-graph: $(VENV)/.installed-dev
 	$(BIN)/mjforage compile comb-port-weather --world graph >/dev/null
 
-hulls: $(VENV)/.installed-dev
+kernels-physics: $(VENV)/.installed-dev
 	$(BIN)/mjforage compile comb-port-weather --world physics >/dev/null
 
 capabilities: $(VENV)/.installed-dev

@@ -1,4 +1,4 @@
-"""What only a machine with a GPU can tell, in some six minutes: `python -m tests.gpu`.
+"""What only a machine with a GPU can tell, in 440 s at most: `python -m tests.gpu`.
 
 Kernels, missions and rounds of training against those of the processor, the speed of fleets and
 environments, and beside it MuJoCo Warp's own humanoid on the same card. Each figure is printed once

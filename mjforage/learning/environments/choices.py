@@ -148,6 +148,8 @@ def _chosen_scenario(scenario: object, grid: object, given: list[str]) -> Scenar
         )
     if isinstance(grid, np.ndarray | list):
         found = with_values(found, {"map.starts": []}, "map")
+    elif grid == "":
+        raise UserError("map = '': names nothing; give a name, a file or an array")
     elif isinstance(grid, str | Path):
         starts: dict[str, object] = {"map.starts": []} if is_harbour(str(grid)) else {}
         if is_place(str(grid)):

@@ -118,6 +118,8 @@ def test_maps_that_cannot_be_together_are_refused() -> None:
     for wrong in ([], ["harbour:combs:0", None], ["harbour:combs:0", np.ones((9, 9))]):
         with pytest.raises(UserError, match=r"^map = \[.*: is neither a list of names nor"):
             batch(map=wrong)
+    with pytest.raises(UserError, match=r"^map = '': names nothing; give"):
+        batch(map=["harbour:combs:0", ""])
     with pytest.raises(UserError, match=r"1000000 episodes at a time, needs about"):
         batch(10**6, map=FAMILY)
     with pytest.raises(UserError, match=r"^step.*reset"):

@@ -9,6 +9,7 @@ import torch
 
 import mjforage
 from mjforage.base.errors import UserError
+from mjforage.learning.environments.tensors import Tensors
 from mjforage.learning.environments.vector import ForagingVectorEnv
 from mjforage.physics.warp_simulation import WarpSimulation
 
@@ -56,6 +57,13 @@ def test_a_batch_on_a_device_is_one_of_arrays_in_tensors(mode: str) -> None:
         actions = arrays.action_space.sample()
         known, found = arrays.step(actions), tensors.step(torch.as_tensor(actions))
     assert all(torch.equal(*pair) for pair in kept)
+
+
+def test_tensors_have_memory_of_their_own() -> None:
+    array = np.zeros(3)
+    tensor = Tensors("cpu", "physics").of({"facts": (array,)})["facts"][0]
+    array[:] = 1.0
+    assert isinstance(tensor, torch.Tensor) and tensor.tolist() == [0.0] * 3
 
 
 def test_hulls_move_in_warp() -> None:
